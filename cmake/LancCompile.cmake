@@ -1,0 +1,18 @@
+# Warnings, optimisation and sanitizers of our own targets: link to lanc_compile.
+add_library(lanc_compile INTERFACE)
+target_include_directories(lanc_compile INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(lanc_compile INTERFACE -Wall -Wextra -Wno-missing-field-initializers)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # g++ 12 takes undefined lanes of the AVX-512 intrinsics inside Eigen for uninitialised variables.
+  target_compile_options(lanc_compile INTERFACE -Wno-maybe-uninitialized)
+endif()
+# A call inside the library needs no detour through the dynamic linker.
+target_compile_options(lanc_compile INTERFACE -fno-semantic-interposition)
+target_compile_options(lanc_compile INTERFACE $<$<CONFIG:Release>:-O3> -fno-math-errno)
+if(LANC_NATIVE)
+  target_compile_options(lanc_compile INTERFACE -march=native)
+endif()
+if(LANC_SANITIZE)
+  target_compile_options(lanc_compile INTERFACE -fsanitize=${LANC_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(lanc_compile INTERFACE -fsanitize=${LANC_SANITIZE})
+endif()

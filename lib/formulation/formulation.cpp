@@ -1,0 +1,135 @@
+#include "lib/formulation/formulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/system/equations.h"
+
+namespace lanc {
+
+template <class S>
+struct Formulation<S>::Refinement {
+  RightHandSide<S> residual;
+  Solution<S> correction;
+  explicit Refinement(const Model& model) : residual(model), correction(model) {}
+};
+
+template <class S>
+Formulation<S>::Formulation(const Model& model) : model_(model) {
+  if (model.has_singular_inertia()) refinement_ = std::make_unique<Refinement>(model);
+}
+
+template <class S>
+Formulation<S>::~Formulation() = default;
+
+namespace {
+
+template <class S>
+bool finite(const Vec3<S>& a) {
+  return std::isfinite(to_double(a.x)) && std::isfinite(to_double(a.y)) && std::isfinite(to_double(a.z));
+}
+
+template <class S>
+bool finite(const Solution<S>& solution) {
+  return std::all_of(solution.vdot.begin(), solution.vdot.end(),
+                     [](const S& x) { return std::isfinite(to_double(x)); }) &&
+         std::all_of(solution.acceleration.begin(), solution.acceleration.end(),
+                     [](const Motion<S>& a) { return finite(a.angular) && finite(a.linear); }) &&
+         std::all_of(solution.wrench.begin(), solution.wrench.end(),
+                     [](const Wrench<S>& f) { return finite(f.moment) && finite(f.force); });
+}
+
+template <class S>
+bool finite(const System<S>& system) {
+  for (const auto& body : system.bodies)
+    if (!finite(body.r) || !finite(body.inertia.h)) return false;
+  for (const auto& bias : system.rhs.bias)
+    if (!finite(bias.angular) || !finite(bias.linear)) return false;
+  for (const auto& force : system.rhs.force)
+    if (!finite(force.moment) || !finite(force.force)) return false;
+  return std::all_of(system.rhs.tau.begin(), system.rhs.tau.end(),
+                     [](const S& x) { return std::isfinite(to_double(x)); });
+}
+
+/// A correction this large relative to the answer means that no digit of it can be trusted.
+constexpr double largest_correction = 1e-3;
+
+}  // namespace
+
+template <class S>
+Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution) {
+  assemble(system);
+  Outcome outcome = factorise(system);
+  if (outcome.usable()) {
+    substitute(system, system.rhs, solution);
+    drive_forces(system, solution);
+    if (!finite(solution))
+      outcome = {Status::singular,
+                 "the answer is not finite: a pivot vanished, so the mass matrix is singular at this state"};
+  }
+  if (outcome.usable() && model_.has_singular_inertia()) {
+    outcome.forward_error = refine(system, solution);
+    if (!(outcome.forward_error < largest_correction))
+      outcome = {
+          Status::singular,
+          fmt::format("the mass matrix is singular to working precision (refinement changes the answer by {:.1e} of "
+                      "itself); body '{}' or one it carries has too little inertia for its freedoms",
+                      outcome.forward_error, model_.spec().bodies[model_.singular_inertia_body()].name),
+          outcome.forward_error};
+  }
+  if (!outcome.usable() && outcome.status != Status::objection && !finite(system))
+    outcome = {Status::not_finite,
+               "the coefficients of eq. 14 are not finite; look at the state, the loads and the motions"};
+  return outcome;
+}
+
+template <class S>
+double Formulation<S>::refine(const System<S>& system, Solution<S>& solution) {
+  if (!refinement_) refinement_ = std::make_unique<Refinement>(model_);
+  Solution<S>& correction = refinement_->correction;
+  residual(system, system.rhs, solution, refinement_->residual);
+  substitute(system, refinement_->residual, correction);
+  double change = 0, size = 0;
+  for (int k = 0; k < model_.nv(); ++k) {
+    change = std::max(change, std::abs(to_double(correction.vdot[k])));
+    size = std::max(size, std::abs(to_double(solution.vdot[k])));
+    if (std::isnan(to_double(correction.vdot[k]))) change = std::numeric_limits<double>::infinity();
+    solution.vdot[k] += correction.vdot[k];
+  }
+  for (int i = 0; i < model_.bodies(); ++i) {
+    solution.acceleration[i] += correction.acceleration[i];
+    solution.wrench[i] += correction.wrench[i];
+  }
+  drive_forces(system, solution);
+  return size > 0 ? change / size : change > 0 ? std::numeric_limits<double>::infinity() : 0.0;
+}
+
+template class Formulation<double>;
+template class Formulation<long double>;
+template class Formulation<Count>;
+
+namespace {
+std::vector<FormulationInfo>& registered() {
+  static std::vector<FormulationInfo> list;
+  return list;
+}
+}  // namespace
+
+Registration::Registration(const FormulationInfo& info) {
+  auto& list = registered();
+  list.insert(
+      std::upper_bound(list.begin(), list.end(), info, [](const auto& a, const auto& b) { return a.name < b.name; }),
+      info);
+}
+
+std::span<const FormulationInfo> formulations() { return registered(); }
+
+const FormulationInfo* find_formulation(std::string_view name) {
+  for (const FormulationInfo& info : formulations())
+    if (info.name == name) return &info;
+  return nullptr;
+}
+
+}  // namespace lanc

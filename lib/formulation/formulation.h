@@ -1,0 +1,103 @@
+// A formulation is one way to solve eq. 14. It gets the coefficients and returns η̇, â, f̂; nothing else.
+//
+// A new one is a folder in formulations/ (or a file of your own program) that derives from Formulation<S>, and a
+// Registration. Everything else (tests, experiments, command line) finds it in formulations().
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "lib/formulation/outcome.h"
+#include "lib/system/system.h"
+
+namespace lanc {
+
+/// Solves eq. 14 on the scalar S. The object is its own workspace: it allocates when it is bound to a model, not in the
+/// phases (a formulation that must says so in its README). One object per thread.
+template <class S>
+class Formulation {
+ public:
+  explicit Formulation(const Model& model);
+  virtual ~Formulation();
+
+  /// The three phases of a solve, to be called in this order. They exist apart so that each can be counted and timed
+  /// from outside; substitute() may be called again with another right-hand side of the same coefficients. assemble:
+  /// coefficients into the formulation's own matrices, if it has any.
+  virtual void assemble(const System<S>& system) = 0;
+  /// factorise: everything that does not depend on the right-hand side. A matrix the formulation can recognise as
+  /// unusable is told here; the phases after it are then skipped.
+  virtual Outcome factorise(const System<S>& system) = 0;
+  /// substitute: η̇, â and f̂ for one right-hand side.
+  virtual void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) = 0;
+
+  /// All phases, the drive forces, and the judgement of the answer:
+  ///   not_finite  the coefficients themselves are not finite
+  ///   singular    the answer is not finite, or (models with singular body inertia) refinement does not converge
+  /// For models with has_singular_inertia() one refinement step is applied and its size returned as forward_error.
+  Outcome solve(const System<S>& system, Solution<S>& solution);
+
+  /// One step of iterative refinement with the residual of eq. 14, using the present factors. Returns the size of the
+  /// correction of η̇ relative to η̇. Restores the accuracy long chains lose; never changes a right answer.
+  double refine(const System<S>& system, Solution<S>& solution);
+
+ protected:
+  const Model& model() const { return model_; }
+
+ private:
+  struct Refinement;
+  Model model_;
+  std::unique_ptr<Refinement> refinement_;  // at once for models that need it in solve(), else at the first refine()
+};
+
+extern template class Formulation<double>;
+extern template class Formulation<long double>;
+extern template class Formulation<Count>;
+
+/// Makes a formulation bound to a model; null where it is not offered for the scalar.
+template <class S>
+using Factory = std::unique_ptr<Formulation<S>> (*)(const Model&);
+
+/// What the register knows of a formulation.
+struct FormulationInfo {
+  std::string_view name;    // as on the command line and in CSV files
+  std::string_view idea;    // one sentence
+  std::string_view source;  // where it comes from
+  bool recursive = false;   // of the recursive family; the crossover compares these with all others
+  /// Why it cannot take a model, or nothing. Asked before anything is allocated.
+  std::optional<std::string> (*objection)(const Model&) = [](const Model&) { return std::optional<std::string>(); };
+  Factory<double> create_double = nullptr;
+  Factory<long double> create_long_double = nullptr;
+  Factory<Count> create_count = nullptr;
+
+  template <class S>
+  Factory<S> factory() const {
+    if constexpr (std::is_same_v<S, double>)
+      return create_double;
+    else if constexpr (std::is_same_v<S, long double>)
+      return create_long_double;
+    else
+      return create_count;
+  }
+};
+
+/// A factory for `Kind<S>`, to be put into FormulationInfo.
+template <class Concrete, class S>
+std::unique_ptr<Formulation<S>> create(const Model& model) {
+  return std::make_unique<Concrete>(model);
+}
+
+/// All registered formulations, sorted by name. Call after main() has begun.
+std::span<const FormulationInfo> formulations();
+/// Null when there is none of that name.
+const FormulationInfo* find_formulation(std::string_view name);
+
+/// A namespace-scope object of this type puts a formulation into the register.
+struct Registration {
+  explicit Registration(const FormulationInfo& info);
+};
+
+}  // namespace lanc

@@ -1,0 +1,28 @@
+// The numerical outcome of a solve: a value that callers cannot overlook, never an exception and never silence.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+
+namespace lanc {
+
+enum class Status : unsigned char { solved, redundant, singular, inconsistent, not_converged, not_finite, objection };
+
+constexpr std::string_view to_string(Status status) {
+  constexpr std::string_view names[] = {"solved",        "redundant",  "singular", "inconsistent",
+                                        "not_converged", "not_finite", "objection"};
+  return names[static_cast<int>(status)];
+}
+
+/// `solved` and `redundant` carry an answer that is right; with every other status the numbers must not be used.
+struct [[nodiscard]] Outcome {
+  Status status = Status::solved;
+  std::string message;  // why, and what to do; empty when solved
+  /// Estimate of the relative error of η̇ from one refinement step; NaN where it was not made (Formulation::solve).
+  double forward_error = std::numeric_limits<double>::quiet_NaN();
+
+  bool usable() const { return status == Status::solved || status == Status::redundant; }
+};
+
+}  // namespace lanc

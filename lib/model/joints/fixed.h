@@ -1,0 +1,17 @@
+#pragma once
+#include "lib/model/joints/joint.h"
+
+namespace lanc::joints {
+
+/// Weld: no freedom. The body stays a body of its own, so its wrench is an output like any other.
+struct Fixed {
+  static constexpr JointTraits traits{.name = "fixed"};
+  static constexpr bool has_column_rate = false;
+
+  template <class S>
+  static void move(const S*, const S*, JointStep<S>& step, Motion<S>*) {
+    step.R = step.F;
+  }
+};
+
+}  // namespace lanc::joints

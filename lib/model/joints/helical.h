@@ -1,0 +1,32 @@
+#pragma once
+#include "lib/model/joints/joint.h"
+
+namespace lanc::joints {
+
+/// Screw: q = angle (rad, turns are counted, not wrapped), v = its rate; travel = pitch × angle, C = [z; pitch z].
+struct Helical {
+  static constexpr JointTraits traits{.name = "helical",
+                                      .nq = 1,
+                                      .nv = 1,
+                                      .axes = JointAxes::one,
+                                      .has_pitch = true,
+                                      .moves_origin = true,
+                                      .columns = {ColumnKind::screw},
+                                      .q_names = {"angle"},
+                                      .q_units = {"rad"},
+                                      .v_names = {"angle_rate"},
+                                      .v_units = {"rad/s"}};
+  static constexpr bool has_column_rate = false;
+
+  template <class S>
+  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
+    step.R = turned_about_z(step.F, q[0]);
+    const Vec3<S> along = step.F.z * S(step.pitch);
+    step.displacement = along * q[0];
+    C[0] = {step.F.z, along};
+    step.angular = step.F.z * v[0];
+    step.linear = along * v[0];
+  }
+};
+
+}  // namespace lanc::joints

@@ -1,0 +1,78 @@
+// What a joint kind is: one file each beside this one, listed once in list.h.
+//
+// A joint kind is a struct with
+//   static constexpr JointTraits traits            its facts: name, sizes, columns, coordinates, which axes it takes
+//   template <class S> static void move(...)       pose, relative twist and columns of C_i (the only place a kind
+//   shows)
+// and, when its velocities are not the rates of its coordinates, rate() (eq. 1) and normalise() (eq. 2).
+//
+// Frames: everything is written in the *joint axes*: a frame K_F fixed on the predecessor and a frame fixed on the
+// successor that coincide when all coordinates are zero, z along the joint's (first) axis, x along its second one.
+// The model brings every joint into these axes once (lib/model/model.cpp), so no kind carries an arbitrary axis.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "lib/spatial/spatial.h"
+
+namespace lanc {
+
+/// Which axes a joint kind takes from the user.
+enum class JointAxes : unsigned char { none, one, two };
+
+struct JointTraits {
+  std::string_view name;
+  int nq = 0, nv = 0;
+  JointAxes axes = JointAxes::none;
+  bool has_pitch = false;
+  bool moves_origin = false;  // can displace the successor's origin against the predecessor
+  int quaternion = -1;        // index of w among the position coordinates (eq. 2), or −1
+  std::array<ColumnKind, 6> columns{};
+  std::array<std::string_view, 7> q_names{}, q_units{};
+  std::array<std::string_view, 6> v_names{}, v_units{};
+
+  /// Velocities are the rates of the coordinates: β̇ = η, so that springs, rest positions and motions make sense.
+  bool rates_are_velocities() const { return quaternion < 0; }
+};
+
+/// What a joint does at one instant, in world axes. `F` holds the axes of K_F; the kind fills the rest.
+template <class S>
+struct JointStep {
+  Mat3<S> F;                // in: axes of the predecessor's joint frame
+  double pitch = 0;         // in: m/rad, helical joints
+  Mat3<S> R;                // out: axes of the successor
+  Vec3<S> displacement;     // out: from K_F's to the successor's origin   (only if traits.moves_origin)
+  Vec3<S> angular, linear;  // out: relative twist C η                     (linear only if traits.moves_origin)
+  Vec3<S> angular_rate, linear_rate;  // out: Ċ η seen from the predecessor    (only if the kind has_column_rate)
+};
+
+/// Rotation of the frame F about its z axis.
+template <class S>
+Mat3<S> turned_about_z(const Mat3<S>& F, const S& angle) {
+  const S c = cos(angle), s = sin(angle);
+  return {F.x * c + F.y * s, F.y * c - F.x * s, F.z};
+}
+
+/// Rotation of the frame F by unit Euler parameters (w, x, y, z) that take successor axes to predecessor axes.
+template <class S>
+Mat3<S> turned_by_quaternion(const Mat3<S>& F, const S* e) {
+  const S x2 = e[1] + e[1], y2 = e[2] + e[2], z2 = e[3] + e[3];
+  const S xx = x2 * e[1], yy = y2 * e[2], zz = z2 * e[3], xy = x2 * e[2], xz = x2 * e[3], yz = y2 * e[3];
+  const S wx = x2 * e[0], wy = y2 * e[0], wz = z2 * e[0], one(1.0);
+  const Mat3<S> R = {
+      {one - (yy + zz), xy + wz, xz - wy}, {xy - wz, one - (xx + zz), yz + wx}, {xz + wy, yz - wx, one - (xx + yy)}};
+  return F * R;
+}
+
+/// eq. 1 for Euler parameters: ė = ½ e ∘ (0, ω), ω in successor axes; the 4×3 half-quaternion matrix times ω.
+template <class S>
+void quaternion_rate(const S* e, const S* w, S* rate) {
+  const S half(0.5);
+  rate[0] = -(e[1] * w[0] + e[2] * w[1] + e[3] * w[2]) * half;
+  rate[1] = (e[0] * w[0] + e[2] * w[2] - e[3] * w[1]) * half;
+  rate[2] = (e[0] * w[1] + e[3] * w[0] - e[1] * w[2]) * half;
+  rate[3] = (e[0] * w[2] + e[1] * w[1] - e[2] * w[0]) * half;
+}
+
+}  // namespace lanc

@@ -1,0 +1,27 @@
+#pragma once
+#include "lib/model/joints/joint.h"
+
+namespace lanc::joints {
+
+/// Hinge: q = angle (rad), v = its rate; C = [z; 0].
+struct Revolute {
+  static constexpr JointTraits traits{.name = "revolute",
+                                      .nq = 1,
+                                      .nv = 1,
+                                      .axes = JointAxes::one,
+                                      .columns = {ColumnKind::rotation},
+                                      .q_names = {"angle"},
+                                      .q_units = {"rad"},
+                                      .v_names = {"angle_rate"},
+                                      .v_units = {"rad/s"}};
+  static constexpr bool has_column_rate = false;
+
+  template <class S>
+  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
+    step.R = turned_about_z(step.F, q[0]);
+    C[0].angular = step.R.z;
+    step.angular = step.R.z * v[0];
+  }
+};
+
+}  // namespace lanc::joints

@@ -1,0 +1,194 @@
+#include "lib/system/evaluator.h"
+
+namespace lanc {
+
+template <class S>
+Evaluator<S>::Evaluator(const Model& model)
+    : system_(model),
+      frames_(model.bodies()),
+      motions_(model.drives()),
+      positions_(model.bodies()),
+      twists_(model.bodies()) {
+  // Columns of pure rotations and translations keep these zeros; step() writes the other half only.
+  for (auto& column : system_.columns) column = {{S(0.0), S(0.0), S(0.0)}, {S(0.0), S(0.0), S(0.0)}};
+  for (auto& column : system_.drive_columns) column = {{S(0.0), S(0.0), S(0.0)}, {S(0.0), S(0.0), S(0.0)}};
+}
+
+/// One body: pose and angular velocity (5), (7), bias acceleration (9), inertia in world axes, gyroscopic force and
+/// weight.
+template <class S>
+template <class Joint>
+void Evaluator<S>::step(int body, const S* q, const S* v) {
+  constexpr JointTraits traits = Joint::traits;
+  const Link& link = system_.model.link(body);
+  auto& out = system_.bodies[body];
+  Frame& frame = frames_[body];
+  Motion<S> bias{};
+
+  JointStep<S> joint;
+  joint.pitch = link.pitch;
+  Motion<S>* columns = link.drive < 0 ? &system_.columns[link.v] : &system_.drive_columns[link.drive];
+  if (link.parent == ground) {
+    joint.F = cast<S>(link.X);
+    Joint::move(q, v, joint, columns);
+    out.r = cast<S>(link.o);
+    if constexpr (traits.moves_origin) out.r += joint.displacement;
+    frame.omega = joint.angular;
+  } else {
+    const Frame& parent = frames_[link.parent];
+    const Vec3<S>& omega = parent.omega;
+    joint.F = parent.R * cast<S>(link.X);
+    Joint::move(q, v, joint, columns);
+    out.r = parent.R * cast<S>(link.o);
+    if constexpr (traits.moves_origin) out.r += joint.displacement;
+    if constexpr (traits.nv > 0) {
+      frame.omega = omega + joint.angular;
+      bias.angular = cross(omega, joint.angular);
+    } else {
+      frame.omega = omega;
+    }
+    bias.linear = cross(omega, cross(omega, out.r));
+    if constexpr (traits.moves_origin) {
+      const Vec3<S> coriolis = cross(omega, joint.linear);
+      bias.linear += coriolis + coriolis;
+    }
+  }
+  if constexpr (Joint::has_column_rate) {
+    bias.angular += joint.angular_rate;
+    if constexpr (traits.moves_origin) bias.linear += joint.linear_rate;
+  }
+  if constexpr (traits.moves_origin) frame.linear = joint.linear;
+  if constexpr (traits.nv == 1)
+    if (link.drive >= 0) add_along(traits.columns[0], columns[0], S(motions_[link.drive].acceleration), bias);
+  frame.R = joint.R;
+  system_.rhs.bias[body] = bias;
+
+  RigidInertia<S>& M = out.inertia;
+  M = {S(link.inertia.mass), joint.R * cast<S>(link.inertia.h), rotated(joint.R, link.inertia.J)};
+  // f̂^c = [(J ω) × ω; (ω × h) × ω], f̂^t = [h × g; m g]
+  const Vec3<S>& w = frame.omega;
+  system_.rhs.force[body] = {cross(M.J * w, w) + cross(M.h, cast<S>(system_.model.gravity())),
+                             cross(cross(w, M.h), w) + cast<S>(link.weight)};
+}
+
+template <class S>
+const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loads) {
+  static constexpr auto steps = for_each_joint_kind([]<class Joint>() {
+    return +[](Evaluator& self, int body, const S* q, const S* v) { self.step<Joint>(body, q, v); };
+  });
+  const Model& model = system_.model;
+  sample_motions(state.t);
+  for (int i = 0; i < model.bodies(); ++i) {
+    const Link& link = model.link(i);
+    if (link.drive < 0) {
+      steps[link.kind.index](*this, i, state.q.data() + link.q, state.v.data() + link.v);
+    } else {
+      const S position(motions_[link.drive].position), velocity(motions_[link.drive].velocity);
+      steps[link.kind.index](*this, i, &position, &velocity);
+    }
+  }
+  if (loads.tau.empty())
+    std::fill(system_.rhs.tau.begin(), system_.rhs.tau.end(), S(0.0));
+  else
+    std::copy(loads.tau.begin(), loads.tau.end(), system_.rhs.tau.begin());
+  apply_passive(state);
+  if (!model.springs().empty()) apply_springs();
+  for (const ConstantWrench& w : model.wrenches()) system_.rhs.force[w.body] += cast<S>(w.wrench);
+  for (const auto& w : loads.wrenches) system_.rhs.force[w.body] += w.wrench;
+  return system_;
+}
+
+template <class S>
+void Evaluator<S>::sample_motions(double t) {
+  for (int d = 0; d < system_.model.drives(); ++d) motions_[d] = system_.model.motion(d).at(t);
+}
+
+/// Joint springs, dampers, Coulomb friction and constant torques: into τ, or onto the drive of a prescribed freedom.
+template <class S>
+void Evaluator<S>::apply_passive(const State<S>& state) {
+  std::fill(system_.drive_load.begin(), system_.drive_load.end(), S(0.0));
+  for (const PassiveCoordinate& passive : system_.model.passive()) {
+    const Link& link = system_.model.link(passive.body);
+    const CoordinateSpec& c = passive.spec;
+    const bool driven = link.drive >= 0;
+    const S v = driven ? S(motions_[link.drive].velocity) : state.v[link.v + passive.coordinate];
+    S torque(c.torque);
+    if (c.stiffness != 0) {
+      const S q = driven ? S(motions_[link.drive].position) : state.q[link.q + passive.coordinate];
+      torque -= S(c.stiffness) * (q - S(c.rest));
+    }
+    if (c.damping != 0) torque -= S(c.damping) * v;
+    if (c.friction_positive != 0 || c.friction_negative != 0) {
+      // s → ±1 for |v| ≫ friction_speed; the even part carries the difference between the two directions
+      const S speed(c.friction_speed);
+      const S s = v / sqrt(v * v + speed * speed);
+      torque -= s * (S((c.friction_positive + c.friction_negative) / 2) +
+                     s * S((c.friction_positive - c.friction_negative) / 2));
+    }
+    if (driven)
+      system_.drive_load[link.drive] = S(c.armature * motions_[link.drive].acceleration) - torque;
+    else
+      system_.rhs.tau[link.v + passive.coordinate] += torque;
+  }
+}
+
+template <class S>
+void Evaluator<S>::apply_point_force(int body, const Vec3<S>& arm, const Vec3<S>& force) {
+  if (body != ground) system_.rhs.force[body] += {cross(arm, force), force};
+}
+
+template <class S>
+void Evaluator<S>::apply_springs() {
+  positions();
+  twists();
+  struct End {
+    Vec3<S> arm, position, velocity;
+  };
+  const auto end = [&](int body, const Vec3<double>& point) -> End {
+    if (body == ground) return {{}, cast<S>(point), {S(0.0), S(0.0), S(0.0)}};
+    const Vec3<S> arm = frames_[body].R * cast<S>(point);
+    return {arm, positions_[body] + arm, twists_[body].linear + cross(frames_[body].omega, arm)};
+  };
+  for (const PointSpring& spring : system_.model.springs()) {
+    const End a = end(spring.body_a, spring.point_a), b = end(spring.body_b, spring.point_b);
+    const Vec3<S> d = b.position - a.position;
+    const S length = sqrt(dot(d, d));
+    const Vec3<S> u = {d.x / length, d.y / length, d.z / length};
+    const S rate = dot(u, b.velocity - a.velocity);
+    const Vec3<S> pull = u * (S(spring.stiffness) * (length - S(spring.rest_length)) + S(spring.damping) * rate);
+    apply_point_force(spring.body_a, a.arm, pull);
+    apply_point_force(spring.body_b, b.arm, -pull);
+  }
+}
+
+template <class S>
+Mat3<S> Evaluator<S>::body_rotation(int body) const {
+  return frames_[body].R * cast<S>(system_.model.body_axes(body));
+}
+
+template <class S>
+const std::vector<Vec3<S>>& Evaluator<S>::positions() {
+  for (int i = 0; i < system_.model.bodies(); ++i) {
+    const int parent = system_.model.link(i).parent;
+    positions_[i] = parent == ground ? system_.bodies[i].r : positions_[parent] + system_.bodies[i].r;
+  }
+  return positions_;
+}
+
+template <class S>
+const std::vector<Motion<S>>& Evaluator<S>::twists() {
+  for (int i = 0; i < system_.model.bodies(); ++i) {
+    const Link& link = system_.model.link(i);
+    Vec3<S> linear{S(0.0), S(0.0), S(0.0)};
+    if (link.parent != ground) linear = moved_outward(system_.bodies[i].r, twists_[link.parent]).linear;
+    if (link.kind.traits().moves_origin) linear += frames_[i].linear;
+    twists_[i] = {frames_[i].omega, linear};
+  }
+  return twists_;
+}
+
+template class Evaluator<double>;
+template class Evaluator<long double>;
+template class Evaluator<Count>;
+
+}  // namespace lanc
