@@ -86,11 +86,33 @@ struct RigidInertia {
   Vec3<S> h{};  // mass × vector from the reference point to the centre of mass, kg m
   Sym3<S> J{};  // about the reference point, kg m²
 
+  RigidInertia& operator+=(const RigidInertia& b) { return mass += b.mass, h += b.h, J += b.J, *this; }
   /// M a. 42 operations.
   friend Wrench<S> operator*(const RigidInertia& M, const Motion<S>& a) {
     return {M.J * a.angular + cross(M.h, a.linear), a.linear * M.mass + cross(a.angular, M.h)};
   }
 };
+
+/// M C for one column; 24 operations when the column is a pure rotation, 12 when it is a pure translation.
+template <class S>
+Wrench<S> times_column(const RigidInertia<S>& M, ColumnKind kind, const Motion<S>& column) {
+  if (kind == ColumnKind::rotation) return {M.J * column.angular, cross(column.angular, M.h)};
+  if (kind == ColumnKind::translation) return {cross(M.h, column.linear), column.linear * M.mass};
+  return M * column;
+}
+
+/// B_ipᵀ M B_ip of a rigid inertia, which stays one: moved by r to the parent's reference point. 36 operations.
+template <class S>
+RigidInertia<S> moved_inward(const Vec3<S>& r, const RigidInertia<S>& M) {
+  const Vec3<S> mr = r * M.mass;
+  const Vec3<S> s = M.h + mr * S(0.5);  // J' = J + 2 (r·s) 1 − r sᵀ − s rᵀ
+  const S x = r.x * s.x, y = r.y * s.y, z = r.z * s.z;
+  const S xx = x + x, yy = y + y, zz = z + z;
+  return {M.mass,
+          M.h + mr,
+          {M.J.xx + (yy + zz), M.J.yy + (xx + zz), M.J.zz + (xx + yy), M.J.xy - (r.x * s.y + r.y * s.x),
+           M.J.xz - (r.x * s.z + r.z * s.x), M.J.yz - (r.y * s.z + r.z * s.y)}};
+}
 
 /// Articulated inertia M*: symmetric 6×6, [[J, H], [Hᵀ, M]].
 template <class S>

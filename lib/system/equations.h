@@ -9,6 +9,10 @@ namespace lanc {
 template <class S>
 void accelerations(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
 
+/// ā, the accelerations at η̇ = 0 (eq. 10), into solution.acceleration. O(n).
+template <class S>
+void bias_accelerations(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
+
 /// f̂ from â by eq. 3 with (4), leaf to root. O(n).
 template <class S>
 void wrenches(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
@@ -28,8 +32,9 @@ void residual(const System<S>& system, const RightHandSide<S>& rhs, const Soluti
               RightHandSide<S>& result);
 
 /// Componentwise (Oettli-Prager) backward error of eq. 14: the smallest ε such that the solution solves a system whose
-/// every coefficient and load differs by at most the fraction ε. max over rows of |residual| / (|A||x| + |b|).
-/// `normwise` is ‖residual‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞). NaN when something is not finite.
+/// every coefficient and load differs by at most the fraction ε: max over rows of |residual| / (|A||x| + |b|), rows
+/// made of rounding errors alone being compared with ‖A_row‖ ‖x‖ (Arioli, Demmel & Duff 1989). `normwise` is
+/// ‖residual‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞). NaN when something is not finite.
 struct BackwardError {
   double componentwise = 0, normwise = 0;
 };

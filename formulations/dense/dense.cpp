@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+
+#include "lib/formulation/formulation.h"
+#include "lib/model/paths.h"
+#include "lib/scalar/count_eigen.h"
+#include "lib/system/equations.h"
+
+namespace lanc {
+namespace {
+
+/// The lecture's non-recursive way: J formed (11), M̄ = JᵀMJ block by block, dense Cholesky. O(n d²) to form M̄ at depth
+/// d, O(n_η³) to factor it.
+template <class S>
+class Dense final : public Formulation<S> {
+ public:
+  explicit Dense(const Model& model)
+      : Formulation<S>(model), paths_(model), mass_matrix_(model.nv(), model.nv()), b_(model.nv()) {
+    start_.reserve(model.bodies() + 1);
+    start_.push_back(0);
+    for (int i = 0; i < model.bodies(); ++i) start_.push_back(start_.back() + paths_.body_depth(i));
+    J_.resize(start_.back());
+  }
+
+  void assemble(const System<S>& system) override {
+    form_jacobian(system);
+    form_mass_matrix(system);
+  }
+  Outcome factorise(const System<S>& system) override;
+  void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override;
+
+ private:
+  using Matrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1>;
+
+  void form_jacobian(const System<S>& system);
+  void form_mass_matrix(const System<S>& system);
+  /// The non-zero columns of J_i: one for every coordinate on the path of body i, root first.
+  Motion<S>* jacobian(int body) { return J_.data() + start_[body]; }
+
+  VelocityPaths paths_;
+  std::vector<std::size_t> start_;
+  std::vector<Motion<S>> J_;
+  Matrix mass_matrix_;  // lower triangle: M̄, then its Cholesky factor
+  Vector b_;
+};
+
+/// J = B⁻¹ C by forward substitution: the columns of the parent moved outward, and the joint's own.
+template <class S>
+void Dense<S>::form_jacobian(const System<S>& system) {
+  const Model& model = this->model();
+  for (int i = 0; i < model.bodies(); ++i) {
+    const Link& link = model.link(i);
+    Motion<S>* J = jacobian(i);
+    if (link.parent != ground) {
+      const Motion<S>* parent = jacobian(link.parent);
+      int k = paths_.last(link.parent);
+      for (int d = paths_.body_depth(link.parent) - 1; d >= 0; --d, k = paths_.before(k))
+        J[d] =
+            model.column_kind(k) == ColumnKind::translation ? parent[d] : moved_outward(system.bodies[i].r, parent[d]);
+    }
+    for (int c = 0; c < link.nv; ++c) J[paths_.body_depth(i) - link.nv + c] = system.columns[link.v + c];
+  }
+}
+
+template <class S>
+void Dense<S>::form_mass_matrix(const System<S>& system) {
+  const Model& model = this->model();
+  mass_matrix_.setConstant(S(0.0));
+  for (int i = 0; i < model.bodies(); ++i) {
+    const Motion<S>* J = jacobian(i);
+    int k = paths_.last(i);
+    for (int d = paths_.body_depth(i) - 1; d >= 0; --d, k = paths_.before(k)) {
+      const Wrench<S> F = system.bodies[i].inertia * J[d];
+      int l = k;
+      for (int e = d; e >= 0; --e, l = paths_.before(l)) mass_matrix_(k, l) += dot(J[e], F);
+    }
+  }
+  if (model.has_armature())
+    for (int k = 0; k < model.nv(); ++k) mass_matrix_(k, k) += S(model.armature()[k]);
+}
+
+template <class S>
+Outcome Dense<S>::factorise(const System<S>&) {
+  const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(mass_matrix_);  // in place
+  if (cholesky.info() != Eigen::Success)
+    return {Status::singular, "Cholesky: M̄ is not positive definite, so some freedom has no inertia at this state"};
+  return {};
+}
+
+template <class S>
+void Dense<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
+  const Model& model = this->model();
+  bias_accelerations(system, rhs, solution);
+  for (int k = 0; k < model.nv(); ++k) b_[k] = rhs.tau[k];
+  for (int i = 0; i < model.bodies(); ++i) {  // b = Jᵀ (f̂^tc − M ā) + τ
+    const Wrench<S> load = rhs.force[i] - system.bodies[i].inertia * solution.acceleration[i];
+    const Motion<S>* J = jacobian(i);
+    int k = paths_.last(i);
+    for (int d = paths_.body_depth(i) - 1; d >= 0; --d, k = paths_.before(k)) b_[k] += dot(J[d], load);
+  }
+  mass_matrix_.template triangularView<Eigen::Lower>().solveInPlace(b_);
+  mass_matrix_.transpose().template triangularView<Eigen::Upper>().solveInPlace(b_);
+  for (int k = 0; k < model.nv(); ++k) solution.vdot[k] = b_[k];
+  accelerations(system, rhs, solution);
+  wrenches(system, rhs, solution);
+}
+
+std::optional<std::string> objection(const Model& model) {
+  constexpr int most = 10'000;  // 0.8 GB of M̄ and minutes of Cholesky
+  if (model.nv() <= most) return std::nullopt;
+  return fmt::format("{} velocities: a dense M̄ would take {:.2g} GB; use a formulation that keeps the structure",
+                     model.nv(), 8e-9 * model.nv() * model.nv());
+}
+
+const Registration registration({.name = "dense",
+                                 .idea = "form J and M̄ = JᵀMJ, solve M̄ η̇ = Jᵀ(f̂^tc − M ā) + τ by dense Cholesky",
+                                 .source = "lecture, eq. 11-14: the non-recursive way",
+                                 .objection = objection,
+                                 .create_double = create<Dense<double>, double>,
+                                 .create_long_double = create<Dense<long double>, long double>,
+                                 .create_count = create<Dense<Count>, Count>});
+
+}  // namespace
+}  // namespace lanc
