@@ -1,0 +1,233 @@
+#include "lib/io/generators.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+
+#include "lib/io/random_tree.h"
+
+namespace lanc {
+namespace {
+
+constexpr int most_bodies = 2'000'000;  // about 3 GB with the specification
+
+constexpr GeneratorInfo table[] = {
+    {"chain", "chain:N[:joint=KIND][:seed=S][:gravity=G]",
+     "N equal bodies in series, joint axes x, y, z, x, ... in turn (default: revolute)"},
+    {"tree", "tree:N[:branching=B][:joint=KIND][:seed=S][:gravity=G]",
+     "N bodies of the chain as a complete tree, body i on body (i-2)/B + 1 (default: B = 2)"},
+    {"star", "star:N[:joint=KIND][:seed=S][:gravity=G]",
+     "N bodies of the chain, the first on the ground, all others on the first"},
+    {"random", "random:N[:seed=S][:kinds=A,B,...][:massless=no][:driven=no][:forces=no][:gravity=G]",
+     "N bodies hung together at random: all joint kinds, massless bodies, prescribed motions, springs"},
+};
+
+[[noreturn]] void fail(std::string_view argument, const std::string& what) {
+  throw InputError(fmt::format("model '{}': {}", argument, what));
+}
+
+/// The argument taken apart: size, and options that must all be asked for.
+class Arguments {
+ public:
+  Arguments(std::string_view argument, const GeneratorInfo& info) : argument_(argument), usage_(info.usage) {
+    std::vector<std::string_view> parts;
+    for (std::string_view rest = argument;;) {
+      const size_t colon = rest.find(':');
+      parts.push_back(rest.substr(0, colon));
+      if (colon == rest.npos) break;
+      rest.remove_prefix(colon + 1);
+    }
+    if (parts.size() < 2) fail(argument, fmt::format("the number of bodies is missing; use {}", usage_));
+    const auto n = whole<long long>(parts[1]);
+    if (!n) fail(argument, fmt::format("'{}' is not a number of bodies; use {}", parts[1], usage_));
+    if (*n < 1 || *n > most_bodies)
+      fail(argument, fmt::format("{} bodies; give a number from 1 to {}", parts[1], most_bodies));
+    bodies = static_cast<int>(*n);
+    for (size_t k = 2; k < parts.size(); ++k) {
+      const size_t equals = parts[k].find('=');
+      if (equals == parts[k].npos)
+        fail(argument, fmt::format("'{}' is not of the form key=value; use {}", parts[k], usage_));
+      if (!options_.emplace(parts[k].substr(0, equals), parts[k].substr(equals + 1)).second)
+        fail(argument, fmt::format("option '{}' is given twice; keep one", parts[k].substr(0, equals)));
+    }
+  }
+
+  int bodies = 0;
+
+  std::optional<std::string_view> text(std::string_view key) {
+    const auto found = options_.find(key);
+    if (found == options_.end()) return std::nullopt;
+    const std::string_view value = found->second;
+    options_.erase(found);
+    return value;
+  }
+  std::uint64_t seed() {
+    const auto value = text("seed");
+    if (!value) return 1;
+    const auto seed = whole<std::uint64_t>(*value);
+    if (!seed) fail(argument_, fmt::format("seed '{}' is not a whole number from 0 to 2^64 - 1", *value));
+    return *seed;
+  }
+  int branching() {
+    const auto value = text("branching");
+    if (!value) return 2;
+    const auto branching = whole<int>(*value);
+    if (!branching || *branching < 1)
+      fail(argument_, fmt::format("branching '{}' is not a whole number of 1 or more", *value));
+    return *branching;
+  }
+  /// m/s², downward.
+  double gravity() {
+    const auto value = text("gravity");
+    if (!value) return 9.81;
+    double g = 0;
+    const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), g);
+    if (error != std::errc() || end != value->data() + value->size() || !std::isfinite(g))
+      fail(argument_, fmt::format("gravity '{}' is not a number in m/s^2, such as 9.81 or 0", *value));
+    return g;
+  }
+  bool yes(std::string_view key) {
+    const auto value = text(key);
+    if (value && *value != "yes" && *value != "no")
+      fail(argument_, fmt::format("{}={}; write {}=yes or {}=no", key, *value, key, key));
+    return !value || *value == "yes";
+  }
+  JointKind kind(std::string_view name) const {
+    if (const auto kind = find_joint_kind(name)) return *kind;
+    std::vector<std::string_view> names;
+    for (unsigned char k = 0; k < joint_kinds; ++k) names.push_back(JointKind{k}.traits().name);
+    fail(argument_, fmt::format("there is no joint '{}'; choose from {}", name, fmt::join(names, ", ")));
+  }
+  /// One kind, or with "mixed" all that move, in turn.
+  std::vector<JointKind> joint() {
+    const std::string_view name = text("joint").value_or("revolute");
+    if (name != "mixed") return {kind(name)};
+    std::vector<JointKind> kinds = all_kinds();
+    std::erase_if(kinds, [](JointKind k) { return k.traits().nv == 0; });
+    return kinds;
+  }
+  std::vector<JointKind> kinds() {
+    const auto value = text("kinds");
+    if (!value) return all_kinds();
+    std::vector<JointKind> result;
+    for (std::string_view rest = *value;;) {
+      const size_t comma = rest.find(',');
+      result.push_back(kind(rest.substr(0, comma)));
+      if (comma == rest.npos) return result;
+      rest.remove_prefix(comma + 1);
+    }
+  }
+  /// To be called when every option has been asked for.
+  void require_all_used() const {
+    if (!options_.empty())
+      fail(argument_, fmt::format("there is no option '{}'; use {}", options_.begin()->first, usage_));
+  }
+
+ private:
+  template <class Integer>
+  static std::optional<Integer> whole(std::string_view text) {
+    Integer value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc::result_out_of_range && !text.empty() && text[0] != '-')
+      return std::numeric_limits<Integer>::max();
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+  }
+  static std::vector<JointKind> all_kinds() {
+    std::vector<JointKind> kinds(joint_kinds);
+    for (unsigned char k = 0; k < joint_kinds; ++k) kinds[k] = {k};
+    return kinds;
+  }
+
+  std::string_view argument_, usage_;
+  std::map<std::string_view, std::string_view> options_;
+};
+
+/// The body all regular generators are made of.
+BodySpec standard_body() {
+  BodySpec body;
+  body.mass = 1;
+  body.com = {0.01, -0.02, 0.1};
+  body.inertia << 4.5e-3, 2e-4, -1e-4,  //
+      2e-4, 3.5e-3, 3e-4,               //
+      -1e-4, 3e-4, 2e-3;
+  return body;
+}
+
+/// n standard bodies, body i on body parent(i) (counted from 0; ground is −1): joints `kinds` in turn, axes x, y, z, x,
+/// ... in turn, each joint 0.2 m along z from the origin of its predecessor.
+template <class Parent>
+ModelSpec regular(int n, const std::vector<JointKind>& kinds, Parent parent) {
+  ModelSpec spec;
+  spec.bodies.assign(n, standard_body());
+  spec.joints.resize(n);
+  for (int i = 0; i < n; ++i) {
+    const std::string number = std::to_string(i + 1);
+    spec.bodies[i].name = "b" + number;
+    JointSpec& joint = spec.joints[i];
+    joint.name = "j" + number;
+    joint.body = spec.bodies[i].name;
+    joint.kind = kinds[i % kinds.size()];
+    if (const int p = parent(i); p != ground) joint.parent = spec.bodies[p].name;
+    joint.frame.position = {0, 0, 0.2};
+    const JointTraits& traits = joint.kind.traits();
+    if (traits.axes != JointAxes::none) joint.axis = Eigen::Vector3d::Unit(i % 3);
+    if (traits.axes == JointAxes::two) joint.axis2 = Eigen::Vector3d::Unit((i + 1) % 3);
+    if (traits.has_pitch) joint.pitch = 0.1;
+  }
+  return spec;
+}
+
+/// q and v uniform in [−1, 1], Euler parameters uniform on the sphere, t = 0.
+State<double> draw_state(const Model& model, Draw& draw) {
+  State<double> state = neutral_state(model);
+  for (const Link& link : model.links()) {
+    const int w = link.kind.traits().quaternion;
+    for (int k = 0; k < link.nq; ++k)
+      if (w < 0 || k < w || k >= w + 4) state.q[link.q + k] = draw.between(-1, 1);
+    if (w >= 0) draw.direction(&state.q[link.q + w], 4);
+    for (int k = 0; k < link.nv; ++k) state.v[link.v + k] = draw.between(-1, 1);
+  }
+  return state;
+}
+
+ModelSpec random(Arguments& arguments, Draw& draw) {
+  RandomTreeOptions options;
+  options.bodies = arguments.bodies;
+  options.kinds = arguments.kinds();
+  options.massless = arguments.yes("massless");
+  options.driven = arguments.yes("driven");
+  options.forces = arguments.yes("forces");
+  arguments.require_all_used();
+  return random_tree(options, draw);
+}
+
+ModelSpec regular(std::string_view name, Arguments& arguments) {
+  const int branching = name == "tree" ? arguments.branching() : 1;
+  const std::vector<JointKind> kinds = arguments.joint();
+  arguments.require_all_used();
+  if (name == "star") return regular(arguments.bodies, kinds, [](int i) { return i == 0 ? ground : 0; });
+  return regular(arguments.bodies, kinds, [branching](int i) { return i == 0 ? ground : (i - 1) / branching; });
+}
+
+}  // namespace
+
+std::span<const GeneratorInfo> generators() { return table; }
+
+std::optional<Mechanism> generate(std::string_view argument) {
+  const std::string_view name = argument.substr(0, argument.find(':'));
+  const auto info = std::find_if(std::begin(table), std::end(table), [&](const auto& g) { return g.name == name; });
+  if (info == std::end(table)) return std::nullopt;
+  Arguments arguments(argument, *info);
+  Draw draw(arguments.seed());
+  const double gravity = arguments.gravity();
+  ModelSpec spec = name == "random" ? random(arguments, draw) : regular(name, arguments);
+  spec.name = argument;
+  spec.gravity = {0, 0, -gravity};
+  const Model model = Model::build(std::move(spec));
+  return Mechanism{model, draw_state(model, draw)};
+}
+
+}  // namespace lanc
