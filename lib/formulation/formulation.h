@@ -4,7 +4,9 @@
 // Registration. Everything else (tests, experiments, command line) finds it in formulations().
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +17,16 @@
 #include "lib/system/system.h"
 
 namespace lanc {
+
+/// What a library reports of its part of the last solve; formulations whose arithmetic is ours are counted on Count
+/// instead. NaN where the library has no counter.
+struct LibraryStatistics {
+  std::int64_t unknowns = 0, matrix_nonzeros = 0;
+  std::int64_t factor_nonzeros = 0;  // fill-in is what it exceeds matrix_nonzeros by
+  std::int64_t bytes = 0;            // held by the library
+  double factorise_flops = std::numeric_limits<double>::quiet_NaN();
+  double solve_flops = std::numeric_limits<double>::quiet_NaN();
+};
 
 /// Solves eq. 14 on the scalar S. The object is its own workspace: it allocates when it is bound to a model, not in the
 /// phases (a formulation that must says so in its README). One object per thread.
@@ -44,6 +56,9 @@ class Formulation {
   /// correction of η̇ relative to η̇. Restores the accuracy long chains lose; never changes a right answer.
   double refine(const System<S>& system, Solution<S>& solution);
 
+  /// Fill-in, memory and flops where a library does the work; nothing where this project does. May take O(factors).
+  virtual std::optional<LibraryStatistics> statistics() const { return std::nullopt; }
+
  protected:
   const Model& model() const { return model_; }
 
@@ -61,6 +76,12 @@ extern template class Formulation<Count>;
 template <class S>
 using Factory = std::unique_ptr<Formulation<S>> (*)(const Model&);
 
+/// The same formulation with other settings, for experiments that compare settings.
+struct Variant {
+  std::string_view parameters;  // key=value;key=value, as in the column `parameters` of CSV files
+  Factory<double> create = nullptr;
+};
+
 /// What the register knows of a formulation.
 struct FormulationInfo {
   std::string_view name;    // as on the command line and in CSV files
@@ -72,6 +93,7 @@ struct FormulationInfo {
   Factory<double> create_double = nullptr;
   Factory<long double> create_long_double = nullptr;
   Factory<Count> create_count = nullptr;
+  std::span<const Variant> variants = {};  // the standard settings first; empty when there are no others
 
   template <class S>
   Factory<S> factory() const {

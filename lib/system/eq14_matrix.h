@@ -1,0 +1,78 @@
+// Eq. 14 as a sparse matrix: pattern once per model, values refilled at every state.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lib/system/system.h"
+
+namespace lanc {
+
+/// Order of the bodies in the matrix. Leaf to root is the order of eq. 18: eliminating in it makes no fill outside the
+/// blocks of a body and its parent.
+enum class BodyOrder : unsigned char { leaf_to_root, root_to_leaf };
+
+/// The three unknowns of a body, and the three rows that the symmetric eq. 14 pairs with them:
+/// â with (3), f̂ with (8), η̇ with (12).
+enum class Block : unsigned char { acceleration, wrench, velocity };
+using BlockOrder = std::array<Block, 3>;
+
+/// Where things stand in the matrix. With the same order in rows and columns it is symmetric.
+struct Eq14Layout {
+  BodyOrder bodies = BodyOrder::leaf_to_root;
+  BlockOrder rows = {Block::acceleration, Block::wrench, Block::velocity};
+  BlockOrder columns = {Block::acceleration, Block::wrench, Block::velocity};
+  bool upper_triangle = false;  // keep only what stands on and above the diagonal; rows and columns must agree
+};
+
+/// Eq. 14 in compressed columns (starts, rows ascending in each column, values), structural zeros left out: a rigid M_i
+/// has 24 entries, B_ip 12, a rotation or translation column 3, the armature 1; 66 per revolute body, 39 in one
+/// triangle. Allocates in the constructor only. S: double, long double, Count. Tested by
+/// tests/formulations/sparse_test.cpp.
+template <class S>
+class Eq14Matrix {
+ public:
+  /// Builds the pattern and fills in the values of a regular sample (unit inertias, bodies in one place, joint axes
+  /// along unit vectors), so that a solver can prepare itself before the first state. O(n) time; while it runs it takes
+  /// another 4 bytes an entry. Throws InputError where objection() has one.
+  explicit Eq14Matrix(const Model& model, const Eq14Layout& layout = {});
+
+  /// Says so when the matrix has more entries than 32-bit indices can tell apart.
+  static std::optional<std::string> objection(const Model& model);
+
+  /// The values at another state: 42 for a revolute body. O(n).
+  void refill(const System<S>& system);
+  /// Right-hand side of eq. 14 in the order of the rows.
+  void scatter(const RightHandSide<S>& rhs, std::vector<S>& b) const;
+  /// Solution from its values in the order of the columns. Drive forces are not part of eq. 14.
+  void gather(const std::vector<S>& x, Solution<S>& solution) const;
+
+  int size() const { return static_cast<int>(starts_.size()) - 1; }
+  int nonzeros() const { return starts_.back(); }
+  const std::vector<int>& starts() const { return starts_; }
+  const std::vector<int>& rows() const { return rows_; }
+  const std::vector<S>& values() const { return values_; }
+  const Eq14Layout& layout() const { return layout_; }
+
+  /// First row and first column of a block of a body.
+  int row(int body, Block block) const { return position(layout_.rows, body, block); }
+  int column(int body, Block block) const { return position(layout_.columns, body, block); }
+  int body_of_column(int column) const;
+
+ private:
+  int start(int body) const;
+  int position(const BlockOrder& order, int body, Block block) const;
+  void build();
+
+  Model model_;
+  Eq14Layout layout_;
+  std::vector<int> starts_, rows_;
+  std::vector<S> values_;
+  std::vector<int> slots_;  // where the entries that vary go, in the order in which refill() meets them
+};
+
+extern template class Eq14Matrix<double>;
+extern template class Eq14Matrix<long double>;
+extern template class Eq14Matrix<Count>;
+
+}  // namespace lanc
