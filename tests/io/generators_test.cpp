@@ -100,7 +100,7 @@ std::string message_of(const std::string& argument) {
 TEST(Generators, ChainIsTheOneThePeersWereMeasuredOn) {
   const Mechanism chain = make("chain:5");
   const ModelSpec& spec = chain.model.spec();
-  ASSERT_EQ(spec.bodies.size(), 6658376851213686797u);
+  ASSERT_EQ(spec.bodies.size(), 5u);
   EXPECT_EQ(spec.gravity, Eigen::Vector3d(0, 0, -9.81));
   EXPECT_EQ(spec.joints[3].axis.value(), Eigen::Vector3d::UnitX());
   EXPECT_EQ(spec.joints[3].parent, "b3");
