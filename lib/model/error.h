@@ -11,10 +11,11 @@ struct Place {
   std::string file;
   int line = 0, column = 0;
 
-  /// "file:line:column: ", as compilers print it, or nothing.
+  /// "file:line:column: ", as compilers print it, without what is not known, or nothing.
   std::string prefix() const {
     if (file.empty()) return {};
     if (line == 0) return file + ": ";
+    if (column == 0) return file + ":" + std::to_string(line) + ": ";
     return file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": ";
   }
 };
