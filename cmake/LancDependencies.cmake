@@ -5,6 +5,8 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(urdfdom REQUIRED)
+find_package(console_bridge REQUIRED)
+find_package(tinyxml2 REQUIRED)
 
 find_path(LANC_SUITESPARSE_INCLUDE cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 add_library(lanc_suitesparse INTERFACE)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "lib/model/model.h"
 
@@ -17,10 +18,15 @@ struct Mechanism {
 /// after colons, such as "chain:10:joint=spherical" (lib/io/generators.h). Throws InputError with place and mend.
 Mechanism load_mechanism(const std::string& argument);
 
-/// Native format (data/models/README.md). Throws InputError with file, line and column.
+/// Native format (data/models/README.md). Throws InputError with file, line and column. Tested by tests/io.
 Mechanism load_toml(const std::string& path);
+/// The same from memory; `name` stands for the file in messages.
+Mechanism load_toml_text(std::string_view text, const std::string& name);
 
-/// URDF by urdfdom. Throws InputError; `mimic` is an error that says so.
+/// URDF by urdfdom (data/models/README.md says how it is read). Throws InputError with file and line; `mimic` is an
+/// error that says so. Tested by tests/io.
 Mechanism load_urdf(const std::string& path);
+/// The same from memory; `name` stands for the file in messages.
+Mechanism load_urdf_text(std::string_view text, const std::string& name);
 
 }  // namespace lanc
