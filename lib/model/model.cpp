@@ -4,7 +4,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <unordered_map>
 
 #include "lib/model/validate.h"
 #include "lib/spatial/eigen.h"
@@ -14,12 +13,12 @@ namespace lanc {
 /// Turns a specification into Model::Data; one use.
 class ModelBuilder {
  public:
-  explicit ModelBuilder(const ModelSpec& spec) : spec_(spec) {}
+  explicit ModelBuilder(ModelSpec spec) : spec_(std::move(spec)) {}
 
   std::shared_ptr<const Model::Data> build() {
     check_globals();
     sort_bodies();
-    data_->spec = std::move(spec_);
+    data_->spec = std::move(spec_);  // keeps the bodies where they are in memory, so the index of names stays valid
     for (int i = 0; i < static_cast<int>(data_->spec.bodies.size()); ++i) add_link(i);
     mark_leaves_and_last_siblings();
     add_springs_and_wrenches();
@@ -29,7 +28,7 @@ class ModelBuilder {
   }
 
  private:
-  using Index = std::unordered_map<std::string, int>;
+  using Index = Model::Data::Index;
 
   void check_globals() {
     if (!spec_.gravity.allFinite()) throw InputError(spec_.place, "gravity is not finite; give three numbers in m/s²");
@@ -60,7 +59,7 @@ class ModelBuilder {
 
   /// Puts parents before children and joint i beside body i, keeping the given order where it is possible.
   void sort_bodies() {
-    const Index bodies = index_by_name(spec_.bodies, "bodies");
+    data_->body_index = index_by_name(spec_.bodies, "bodies");
     index_by_name(spec_.joints, "joints");
     index_by_name(spec_.springs, "springs");
     const int n = static_cast<int>(spec_.bodies.size());
@@ -68,13 +67,14 @@ class ModelBuilder {
     for (int j = 0; j < static_cast<int>(spec_.joints.size()); ++j) {
       const JointSpec& joint = spec_.joints[j];
       const std::string who = "joint '" + joint.name + "'";
-      const int body = find(bodies, joint.body, joint.place, who);
+      const bool beside = j < n && spec_.bodies[j].name == joint.body;  // spares a search in the usual order
+      const int body = beside ? j : find(data_->body_index, joint.body, joint.place, who);
       if (joint_of[body] >= 0)
         throw InputError(joint.place,
                          fmt::format("{}: body '{}' already hangs on joint '{}'; a tree has one joint per body", who,
                                      joint.body, spec_.joints[joint_of[body]].name));
       joint_of[body] = j;
-      if (!joint.parent.empty()) parent[body] = find(bodies, joint.parent, joint.place, who);
+      if (!joint.parent.empty()) parent[body] = find(data_->body_index, joint.parent, joint.place, who);
     }
     for (int i = 0; i < n; ++i)
       if (joint_of[i] < 0)
@@ -100,6 +100,17 @@ class ModelBuilder {
         order.push_back(path.back());
       }
     }
+    apply_order(order, joint_of, parent);
+  }
+
+  void apply_order(const std::vector<int>& order, const std::vector<int>& joint_of, const std::vector<int>& parent) {
+    const int n = static_cast<int>(order.size());
+    bool sorted = true;
+    for (int k = 0; k < n; ++k) sorted = sorted && order[k] == k && joint_of[k] == k;
+    if (sorted) {  // as generators and most files give it; moving a million bodies costs more than all checks
+      parent_ = parent;
+      return;
+    }
     std::vector<BodySpec> sorted_bodies;
     std::vector<JointSpec> sorted_joints;
     sorted_bodies.reserve(n), sorted_joints.reserve(n);
@@ -112,7 +123,7 @@ class ModelBuilder {
     }
     spec_.bodies = std::move(sorted_bodies);
     spec_.joints = std::move(sorted_joints);
-    for (int k = 0; k < n; ++k) body_index_.emplace(spec_.bodies[k].name, k);
+    data_->body_index = index_by_name(spec_.bodies, "bodies");
   }
 
   void add_link(int i) {
@@ -178,7 +189,7 @@ class ModelBuilder {
 
   void add_springs_and_wrenches() {
     const auto body = [&](const std::string& name, const Place& place, const std::string& who) {
-      return name.empty() ? ground : find(body_index_, name, place, who);
+      return name.empty() ? ground : find(data_->body_index, name, place, who);
     };
     const auto in_joint_axes = [&](int i, const Eigen::Vector3d& point) {
       return i == ground ? from_eigen(point) : data_->body_axes[i] * from_eigen(point);
@@ -191,7 +202,7 @@ class ModelBuilder {
     }
     for (const WrenchSpec& w : data_->spec.wrenches)
       data_->wrenches.push_back(
-          {find(body_index_, w.body, w.place, "wrench"), {from_eigen(w.moment), from_eigen(w.force)}});
+          {find(data_->body_index, w.body, w.place, "wrench"), {from_eigen(w.moment), from_eigen(w.force)}});
   }
 
   void find_length() {
@@ -227,20 +238,18 @@ class ModelBuilder {
 
   ModelSpec spec_;
   std::vector<int> parent_;
-  Index body_index_;
   std::shared_ptr<Model::Data> data_ = std::make_shared<Model::Data>();
 };
 
-Model Model::build(const ModelSpec& spec) {
+Model Model::build(ModelSpec spec) {
   Model model;
-  model.data_ = ModelBuilder(spec).build();
+  model.data_ = ModelBuilder(std::move(spec)).build();
   return model;
 }
 
 std::optional<int> Model::find_body(std::string_view name) const {
-  for (int i = 0; i < bodies(); ++i)
-    if (spec().bodies[i].name == name) return i;
-  return std::nullopt;
+  const auto found = data_->body_index.find(name);
+  return found == data_->body_index.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::vector<std::string> Model::velocity_names() const {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "lib/model/spec.h"
@@ -52,7 +54,7 @@ struct ConstantWrench {
 class Model {
  public:
   /// Validates. Throws InputError naming the thing, its place and the mend. Tested by tests/lib/model_test.cpp.
-  static Model build(const ModelSpec& spec);
+  static Model build(ModelSpec spec);
 
   const std::string& name() const { return data_->spec.name; }
   const ModelSpec& spec() const { return data_->spec; }  // bodies[i] and joints[i] belong to link i
@@ -91,7 +93,9 @@ class Model {
 
  private:
   struct Data {
+    using Index = std::unordered_map<std::string_view, int>;
     ModelSpec spec;
+    Index body_index;  // by name; the keys are the names in spec.bodies
     std::vector<Link> links;
     std::vector<Mat3<double>> body_axes;
     int nq = 0, nv = 0;
