@@ -35,28 +35,28 @@ struct Wrench {
 
 /// Power of a wrench on a motion (both at the same point).
 template <class S>
-S dot(const Motion<S>& a, const Wrench<S>& f) {
+inline S dot(const Motion<S>& a, const Wrench<S>& f) {
   return dot(a.angular, f.moment) + dot(a.linear, f.force);
 }
 
 /// B_ip a: acceleration (or column) of the parent, moved by r to the body's reference point. 12 operations.
 template <class S>
-Motion<S> moved_outward(const Vec3<S>& r, const Motion<S>& a) {
+inline Motion<S> moved_outward(const Vec3<S>& r, const Motion<S>& a) {
   return {a.angular, a.linear + cross(a.angular, r)};
 }
 
 /// B_ipᵀ f: wrench on the body, moved by r to the parent's reference point. 12 operations.
 template <class S>
-Wrench<S> moved_inward(const Vec3<S>& r, const Wrench<S>& f) {
+inline Wrench<S> moved_inward(const Vec3<S>& r, const Wrench<S>& f) {
   return {f.moment + cross(r, f.force), f.force};
 }
 
 template <class S, class T>
-Motion<S> cast(const Motion<T>& a) {
+inline Motion<S> cast(const Motion<T>& a) {
   return {cast<S>(a.angular), cast<S>(a.linear)};
 }
 template <class S, class T>
-Wrench<S> cast(const Wrench<T>& f) {
+inline Wrench<S> cast(const Wrench<T>& f) {
   return {cast<S>(f.moment), cast<S>(f.force)};
 }
 
@@ -66,7 +66,7 @@ enum class ColumnKind : unsigned char { rotation, translation, screw };
 
 /// Cᵀ f for one column.
 template <class S>
-S project(ColumnKind kind, const Motion<S>& column, const Wrench<S>& f) {
+inline S project(ColumnKind kind, const Motion<S>& column, const Wrench<S>& f) {
   if (kind == ColumnKind::rotation) return dot(column.angular, f.moment);
   if (kind == ColumnKind::translation) return dot(column.linear, f.force);
   return dot(column, f);
@@ -74,7 +74,7 @@ S project(ColumnKind kind, const Motion<S>& column, const Wrench<S>& f) {
 
 /// a += C s for one column.
 template <class S>
-void add_along(ColumnKind kind, const Motion<S>& column, const S& s, Motion<S>& a) {
+inline void add_along(ColumnKind kind, const Motion<S>& column, const S& s, Motion<S>& a) {
   if (kind != ColumnKind::translation) a.angular += column.angular * s;
   if (kind != ColumnKind::rotation) a.linear += column.linear * s;
 }
@@ -95,7 +95,7 @@ struct RigidInertia {
 
 /// M C for one column; 24 operations when the column is a pure rotation, 12 when it is a pure translation.
 template <class S>
-Wrench<S> times_column(const RigidInertia<S>& M, ColumnKind kind, const Motion<S>& column) {
+inline Wrench<S> times_column(const RigidInertia<S>& M, ColumnKind kind, const Motion<S>& column) {
   if (kind == ColumnKind::rotation) return {M.J * column.angular, cross(column.angular, M.h)};
   if (kind == ColumnKind::translation) return {cross(M.h, column.linear), column.linear * M.mass};
   return M * column;
@@ -103,7 +103,7 @@ Wrench<S> times_column(const RigidInertia<S>& M, ColumnKind kind, const Motion<S
 
 /// B_ipᵀ M B_ip of a rigid inertia, which stays one: moved by r to the parent's reference point. 36 operations.
 template <class S>
-RigidInertia<S> moved_inward(const Vec3<S>& r, const RigidInertia<S>& M) {
+inline RigidInertia<S> moved_inward(const Vec3<S>& r, const RigidInertia<S>& M) {
   const Vec3<S> mr = r * M.mass;
   const Vec3<S> s = M.h + mr * S(0.5);  // J' = J + 2 (r·s) 1 − r sᵀ − s rᵀ
   const S x = r.x * s.x, y = r.y * s.y, z = r.z * s.z;
@@ -129,7 +129,7 @@ struct ArticulatedInertia {
 
 /// M* C for one column; 30 operations when the column is a pure rotation or translation.
 template <class S>
-Wrench<S> times_column(const ArticulatedInertia<S>& I, ColumnKind kind, const Motion<S>& column) {
+inline Wrench<S> times_column(const ArticulatedInertia<S>& I, ColumnKind kind, const Motion<S>& column) {
   if (kind == ColumnKind::rotation) return {I.J * column.angular, transpose_times(I.H, column.angular)};
   if (kind == ColumnKind::translation) return {I.H * column.linear, I.M * column.linear};
   return I * column;
@@ -137,14 +137,14 @@ Wrench<S> times_column(const ArticulatedInertia<S>& I, ColumnKind kind, const Mo
 
 /// The rigid inertia written out as a full 6×6; no operation.
 template <class S>
-ArticulatedInertia<S> expanded(const RigidInertia<S>& R) {
+inline ArticulatedInertia<S> expanded(const RigidInertia<S>& R) {
   const S o(0.0);
   return {R.J, {{o, R.h.z, -R.h.y}, {-R.h.z, o, R.h.x}, {R.h.y, -R.h.x, o}}, {R.mass, R.mass, R.mass, o, o, o}};
 }
 
 /// M* += M. 15 operations, the zeros of M being known.
 template <class S>
-void add(ArticulatedInertia<S>& I, const RigidInertia<S>& R) {
+inline void add(ArticulatedInertia<S>& I, const RigidInertia<S>& R) {
   I.J += R.J;
   I.H.x.y += R.h.z, I.H.x.z -= R.h.y;
   I.H.y.x -= R.h.z, I.H.y.z += R.h.x;
@@ -153,14 +153,14 @@ void add(ArticulatedInertia<S>& I, const RigidInertia<S>& R) {
 }
 
 template <class S>
-void add(ArticulatedInertia<S>& I, const ArticulatedInertia<S>& K) {
+inline void add(ArticulatedInertia<S>& I, const ArticulatedInertia<S>& K) {
   I.J += K.J, I.M += K.M;
   I.H.x += K.H.x, I.H.y += K.H.y, I.H.z += K.H.z;
 }
 
 /// M* −= D Uᵀ with D = U / N: what is left when one freedom is released. 42 operations.
 template <class S>
-void subtract_outer(ArticulatedInertia<S>& I, const Wrench<S>& D, const Wrench<S>& U) {
+inline void subtract_outer(ArticulatedInertia<S>& I, const Wrench<S>& D, const Wrench<S>& U) {
   const auto symmetric = [](Sym3<S>& m, const Vec3<S>& d, const Vec3<S>& u) {
     m.xx -= d.x * u.x, m.yy -= d.y * u.y, m.zz -= d.z * u.z;
     m.xy -= d.x * u.y, m.xz -= d.x * u.z, m.yz -= d.y * u.z;
@@ -174,7 +174,7 @@ void subtract_outer(ArticulatedInertia<S>& I, const Wrench<S>& D, const Wrench<S
 
 /// B_ipᵀ M* B_ip: moved by r from the body's to the parent's reference point. 84 operations.
 template <class S>
-ArticulatedInertia<S> moved_inward(const Vec3<S>& r, const ArticulatedInertia<S>& I) {
+inline ArticulatedInertia<S> moved_inward(const Vec3<S>& r, const ArticulatedInertia<S>& I) {
   const Mat3<S>& H = I.H;
   // X = H + [r]× M, the block that couples moment and linear acceleration about the new point
   const Mat3<S> X = {H.x + cross(r, Vec3<S>{I.M.xx, I.M.xy, I.M.xz}), H.y + cross(r, Vec3<S>{I.M.xy, I.M.yy, I.M.yz}),

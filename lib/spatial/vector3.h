@@ -22,18 +22,18 @@ struct Vec3 {
 };
 
 template <class S>
-S dot(const Vec3<S>& a, const Vec3<S>& b) {
+inline S dot(const Vec3<S>& a, const Vec3<S>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 template <class S>
-Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
+inline Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 /// The same vector on another scalar; no operation.
 template <class S, class T>
-Vec3<S> cast(const Vec3<T>& a) {
+inline Vec3<S> cast(const Vec3<T>& a) {
   return {S(a.x), S(a.y), S(a.z)};
 }
 
@@ -51,22 +51,22 @@ struct Mat3 {
 
 /// mᵀ a.
 template <class S>
-Vec3<S> transpose_times(const Mat3<S>& m, const Vec3<S>& a) {
+inline Vec3<S> transpose_times(const Mat3<S>& m, const Vec3<S>& a) {
   return {dot(m.x, a), dot(m.y, a), dot(m.z, a)};
 }
 
 template <class S>
-Mat3<S> transposed(const Mat3<S>& m) {
+inline Mat3<S> transposed(const Mat3<S>& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
 
 template <class S, class T>
-Mat3<S> cast(const Mat3<T>& m) {
+inline Mat3<S> cast(const Mat3<T>& m) {
   return {cast<S>(m.x), cast<S>(m.y), cast<S>(m.z)};
 }
 
 template <class S>
-Mat3<S> identity3() {
+inline Mat3<S> identity3() {
   return {{S(1.0), S(0.0), S(0.0)}, {S(0.0), S(1.0), S(0.0)}, {S(0.0), S(0.0), S(1.0)}};
 }
 
@@ -86,13 +86,13 @@ struct Sym3 {
 };
 
 template <class S, class T>
-Sym3<S> cast(const Sym3<T>& m) {
+inline Sym3<S> cast(const Sym3<T>& m) {
   return {S(m.xx), S(m.yy), S(m.zz), S(m.xy), S(m.xz), S(m.yz)};
 }
 
 /// R m Rᵀ: a tensor given in the axes of R, in the axes R itself is given in. 75 operations.
 template <class S, class T>
-Sym3<S> rotated(const Mat3<S>& R, const Sym3<T>& tensor) {
+inline Sym3<S> rotated(const Mat3<S>& R, const Sym3<T>& tensor) {
   const Sym3<S> m = cast<S>(tensor);
   const Vec3<S> kx = R * Vec3<S>{m.xx, m.xy, m.xz}, ky = R * Vec3<S>{m.xy, m.yy, m.yz},
                 kz = R * Vec3<S>{m.xz, m.yz, m.zz};

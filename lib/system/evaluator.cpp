@@ -15,39 +15,35 @@ Evaluator<S>::Evaluator(const Model& model)
 }
 
 /// One body: pose and angular velocity (5), (7), bias acceleration (9), inertia in world axes, gyroscopic force and
-/// weight.
+/// weight. Works on local copies and stores them at the end: the compiler cannot know that the arrays do not overlap.
 template <class S>
 template <class Joint>
 void Evaluator<S>::step(int body, const S* q, const S* v) {
   constexpr JointTraits traits = Joint::traits;
   const Link& link = system_.model.link(body);
-  auto& out = system_.bodies[body];
-  Frame& frame = frames_[body];
-  Motion<S> bias{};
-
   JointStep<S> joint;
   joint.pitch = link.pitch;
-  Motion<S>* columns = link.drive < 0 ? &system_.columns[link.v] : &system_.drive_columns[link.drive];
+  std::array<Motion<S>, traits.nv> columns;
+  Vec3<S> r = cast<S>(link.o), w;  // w: angular velocity of the body
+  Motion<S> bias{};
   if (link.parent == ground) {
     joint.F = cast<S>(link.X);
-    Joint::move(q, v, joint, columns);
-    out.r = cast<S>(link.o);
-    if constexpr (traits.moves_origin) out.r += joint.displacement;
-    frame.omega = joint.angular;
+    Joint::move(q, v, joint, columns.data());
+    if constexpr (traits.moves_origin) r += joint.displacement;
+    if constexpr (traits.nv > 0) w = joint.angular;
   } else {
-    const Frame& parent = frames_[link.parent];
-    const Vec3<S>& omega = parent.omega;
-    joint.F = parent.R * cast<S>(link.X);
-    Joint::move(q, v, joint, columns);
-    out.r = parent.R * cast<S>(link.o);
-    if constexpr (traits.moves_origin) out.r += joint.displacement;
+    const Mat3<S> R = frames_[link.parent].R;
+    const Vec3<S> omega = frames_[link.parent].omega;
+    joint.F = R * cast<S>(link.X);
+    Joint::move(q, v, joint, columns.data());
+    r = R * r;
+    if constexpr (traits.moves_origin) r += joint.displacement;
+    w = omega;
     if constexpr (traits.nv > 0) {
-      frame.omega = omega + joint.angular;
+      w += joint.angular;
       bias.angular = cross(omega, joint.angular);
-    } else {
-      frame.omega = omega;
     }
-    bias.linear = cross(omega, cross(omega, out.r));
+    bias.linear = cross(omega, cross(omega, r));
     if constexpr (traits.moves_origin) {
       const Vec3<S> coriolis = cross(omega, joint.linear);
       bias.linear += coriolis + coriolis;
@@ -57,18 +53,25 @@ void Evaluator<S>::step(int body, const S* q, const S* v) {
     bias.angular += joint.angular_rate;
     if constexpr (traits.moves_origin) bias.linear += joint.linear_rate;
   }
-  if constexpr (traits.moves_origin) frame.linear = joint.linear;
   if constexpr (traits.nv == 1)
     if (link.drive >= 0) add_along(traits.columns[0], columns[0], S(motions_[link.drive].acceleration), bias);
-  frame.R = joint.R;
-  system_.rhs.bias[body] = bias;
 
-  RigidInertia<S>& M = out.inertia;
-  M = {S(link.inertia.mass), joint.R * cast<S>(link.inertia.h), rotated(joint.R, link.inertia.J)};
+  const RigidInertia<S> M{S(link.inertia.mass), joint.R * cast<S>(link.inertia.h), rotated(joint.R, link.inertia.J)};
   // f̂^c = [(J ω) × ω; (ω × h) × ω], f̂^t = [h × g; m g]
-  const Vec3<S>& w = frame.omega;
-  system_.rhs.force[body] = {cross(M.J * w, w) + cross(M.h, cast<S>(system_.model.gravity())),
-                             cross(cross(w, M.h), w) + cast<S>(link.weight)};
+  const Wrench<S> force{cross(M.J * w, w) + cross(M.h, cast<S>(system_.model.gravity())),
+                        cross(cross(w, M.h), w) + cast<S>(link.weight)};
+
+  Motion<S>* out = link.drive < 0 ? system_.columns.data() + link.v : system_.drive_columns.data() + link.drive;
+  for (int k = 0; k < traits.nv; ++k) {
+    if (traits.columns[k] != ColumnKind::translation) out[k].angular = columns[k].angular;
+    if (traits.columns[k] != ColumnKind::rotation) out[k].linear = columns[k].linear;
+  }
+  system_.bodies[body] = {r, M};
+  system_.rhs.bias[body] = bias;
+  system_.rhs.force[body] = force;
+  frames_[body].R = joint.R;
+  frames_[body].omega = w;
+  if constexpr (traits.moves_origin) frames_[body].linear = joint.linear;
 }
 
 template <class S>

@@ -49,14 +49,14 @@ struct JointStep {
 
 /// Rotation of the frame F about its z axis.
 template <class S>
-Mat3<S> turned_about_z(const Mat3<S>& F, const S& angle) {
+inline Mat3<S> turned_about_z(const Mat3<S>& F, const S& angle) {
   const S c = cos(angle), s = sin(angle);
   return {F.x * c + F.y * s, F.y * c - F.x * s, F.z};
 }
 
 /// Rotation of the frame F by unit Euler parameters (w, x, y, z) that take successor axes to predecessor axes.
 template <class S>
-Mat3<S> turned_by_quaternion(const Mat3<S>& F, const S* e) {
+inline Mat3<S> turned_by_quaternion(const Mat3<S>& F, const S* e) {
   const S x2 = e[1] + e[1], y2 = e[2] + e[2], z2 = e[3] + e[3];
   const S xx = x2 * e[1], yy = y2 * e[2], zz = z2 * e[3], xy = x2 * e[2], xz = x2 * e[3], yz = y2 * e[3];
   const S wx = x2 * e[0], wy = y2 * e[0], wz = z2 * e[0], one(1.0);
@@ -67,7 +67,7 @@ Mat3<S> turned_by_quaternion(const Mat3<S>& F, const S* e) {
 
 /// eq. 1 for Euler parameters: ė = ½ e ∘ (0, ω), ω in successor axes; the 4×3 half-quaternion matrix times ω.
 template <class S>
-void quaternion_rate(const S* e, const S* w, S* rate) {
+inline void quaternion_rate(const S* e, const S* w, S* rate) {
   const S half(0.5);
   rate[0] = -(e[1] * w[0] + e[2] * w[1] + e[3] * w[2]) * half;
   rate[1] = (e[0] * w[0] + e[2] * w[2] - e[3] * w[1]) * half;
