@@ -69,8 +69,8 @@ MotionSpec random_motion(Random& random, int kind) {
     case 1: return Polynomial{{a, b, c, random.uniform(-1, 1)}};
     case 2: return Sine{a, b, random.uniform(0.5, 3), c};
     case 3: {
-      SplineTable table;  // knots at multiples of 3/8: states at t = 1/2 stay away from them
-      for (int k = 0; k <= 8; ++k) table.times.push_back(-1 + 0.375 * k), table.values.push_back(random.uniform(-1, 1));
+      SplineTable table;  // no knot near t = 1/2, where the states are: differences must not cross one
+      for (int k = 0; k <= 8; ++k) table.times.push_back(-1 + 0.4 * k), table.values.push_back(random.uniform(-0.3, 0.3));
       return table;
     }
     default: {
