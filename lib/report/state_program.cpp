@@ -1,0 +1,205 @@
+#include "lib/report/state_program.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "lib/formulation/formulation.h"
+#include "lib/io/generators.h"
+#include "lib/model/error.h"
+
+namespace lanc {
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::vector<double> joined_numbers(const std::string& who, const Words& words) {
+  return read_numbers(who, fmt::format("{}", fmt::join(words, " ")));
+}
+
+Loads<double>::Applied applied_wrench(const Model& model, const std::string& who, const std::string& body,
+                                      const std::vector<double>& six) {
+  const auto index = model.find_body(body);
+  if (!index) throw InputError(fmt::format("{}: there is no body '{}'; `inspect` lists them", who, body));
+  if (six.size() != 6)
+    throw InputError(fmt::format("{}: {} numbers for body '{}', a wrench has six: mx,my,mz,fx,fy,fz in N m and N", who,
+                                 six.size(), body));
+  for (const double x : six)
+    if (!std::isfinite(x)) throw InputError(fmt::format("{}: the wrench on '{}' is not finite", who, body));
+  return {*index, {{six[0], six[1], six[2]}, {six[3], six[4], six[5]}}};
+}
+
+std::vector<double> checked_tau(const Model& model, std::vector<double> tau) {
+  if (static_cast<int>(tau.size()) != model.nv())
+    throw InputError(fmt::format("tau has {} numbers, the model needs {}{}", tau.size(), model.nv(),
+                                 model.nv() > 12 ? "" : fmt::format(": {}", fmt::join(model.velocity_names(), ", "))));
+  for (const double x : tau)
+    if (!std::isfinite(x)) throw InputError("tau holds a number that is not finite");
+  return tau;
+}
+
+/// {"t": .., "q": [..], "v": [..], "tau": [..], "wrenches": {"body": [6 numbers]}}, each key optional.
+void read_state_file(const std::string& path, bool takes_loads, StateInput& input) {
+  std::ifstream file(path);
+  if (!file) throw InputError(Place{path}, "this file cannot be read");
+  try {
+    const nlohmann::json document = nlohmann::json::parse(file);
+    if (!document.is_object()) throw InputError(Place{path}, "not a JSON object such as {\"q\": [0.1], \"v\": [0]}");
+    for (const auto& [key, value] : document.items()) {
+      if (key == "t") {
+        input.state.t = value.get<double>();
+      } else if (key == "q") {
+        input.state.q = value.get<std::vector<double>>();
+      } else if (key == "v") {
+        input.state.v = value.get<std::vector<double>>();
+      } else if (key == "tau" && takes_loads) {
+        input.loads.tau = value.get<std::vector<double>>();
+      } else if (key == "wrenches" && takes_loads) {
+        for (const auto& [body, six] : value.items())
+          input.loads.wrenches.push_back(applied_wrench(input.model, path, body, six.get<std::vector<double>>()));
+      } else {
+        throw InputError(Place{path}, fmt::format("unknown key '{}'; there are t, q, v{}", key,
+                                                  takes_loads ? ", tau and wrenches" : ""));
+      }
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(Place{path}, fmt::format("{}; numbers, and arrays of numbers, are expected", error.what()));
+  }
+}
+
+void print_models() {
+  fmt::print("a model file (*.toml, *.urdf), or a generator:\n");
+  for (const GeneratorInfo& g : generators()) fmt::print("  {}\n      {}\n", g.usage, g.description);
+}
+
+void print_formulations() {
+  for (const FormulationInfo& info : formulations()) fmt::print("{:<20} {}\n", info.name, info.idea);
+}
+
+}  // namespace
+
+std::vector<double> read_numbers(const std::string& who, const std::string& text) {
+  std::vector<double> numbers;
+  constexpr const char* separators = ", \t\n";
+  for (std::size_t begin = text.find_first_not_of(separators); begin != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    const char* first = word.data() + (word[0] == '+' ? 1 : 0);
+    double value = 0;
+    const auto [last, error] = std::from_chars(first, word.data() + word.size(), value);
+    if (error != std::errc() || last != word.data() + word.size())
+      throw InputError(fmt::format("{}: '{}' is not a number; write for example 0.5,-1e-3", who, word));
+    numbers.push_back(value);
+    begin = text.find_first_not_of(separators, end);
+  }
+  return numbers;
+}
+
+struct StateProgram::State {
+  std::string name;
+  bool takes_loads;
+  CLI::App app;
+  std::string model, state_file, format = "text", out;
+  Words time, q, v, tau, wrenches;
+  struct Numbers {
+    std::string name;
+    Words words;
+    std::optional<std::vector<double>>* value;
+  };
+  std::vector<std::unique_ptr<Numbers>> own;
+
+  State(std::string program, const std::string& description, bool loads)
+      : name(std::move(program)), takes_loads(loads), app(description, name) {
+    app.add_option("MODEL", model, "model file (*.toml, *.urdf) or generator such as chain:10; see --list-models")
+        ->required();
+    app.add_option("--time", time, "time t, s (default: the model's)")->expected(1);
+    app.add_option("--q", q, "position coordinates, commas between (default: the model's)");
+    app.add_option("--v", v, "velocity coordinates (default: the model's)");
+    if (loads) {
+      app.add_option("--tau", tau, "applied forces per velocity coordinate, N m or N (default: none)");
+      app.add_option("--wrench", wrenches,
+                     "BODY=mx,my,mz,fx,fy,fz: applied wrench, world axes, about the body's reference point; repeatable")
+          ->allow_extra_args(false);
+    }
+    app.add_option("--state", state_file,
+                   std::string("JSON file with t, q, v") + (loads ? ", tau, wrenches" : "") + ", all optional");
+    app.add_option("--format", format, "text or json")->check(CLI::IsMember({"text", "json"}))->capture_default_str();
+    app.add_option("--out", out, "file to write to (default: standard output)");
+    app.add_flag_callback(
+        "--list-models", [] { throw(print_models(), CLI::Success()); }, "print the generators, and end");
+    app.add_flag_callback(
+        "--list-formulations", [] { throw(print_formulations(), CLI::Success()); }, "print the formulations, and end");
+  }
+
+  StateInput input() {
+    Mechanism mechanism = load_mechanism(model);
+    StateInput result{model, mechanism.model, std::move(mechanism.state), {}};
+    result.format = format == "json" ? Format::json : Format::text;
+    if (!state_file.empty()) read_state_file(state_file, takes_loads, result);
+    if (!time.empty()) {
+      const std::vector<double> t = joined_numbers("--time", time);
+      if (t.size() != 1) throw InputError("--time takes one number, in seconds");
+      result.state.t = t[0];
+    }
+    if (app.count("--q") > 0) result.state.q = joined_numbers("--q", q);
+    if (app.count("--v") > 0) result.state.v = joined_numbers("--v", v);
+    result.state = checked_state(result.model, std::move(result.state));
+    if (!tau.empty()) result.loads.tau = joined_numbers("--tau", tau);
+    if (!tau.empty() || !result.loads.tau.empty())
+      result.loads.tau = checked_tau(result.model, std::move(result.loads.tau));
+    for (const std::string& text : wrenches) {
+      const std::size_t equals = text.rfind('=');
+      if (equals == text.npos)
+        throw InputError(fmt::format("--wrench '{}' is not of the form BODY=mx,my,mz,fx,fy,fz", text));
+      result.loads.wrenches.push_back(applied_wrench(result.model, "--wrench", text.substr(0, equals),
+                                                     read_numbers("--wrench", text.substr(equals + 1))));
+    }
+    for (const auto& numbers : own)
+      if (!numbers->words.empty()) *numbers->value = joined_numbers(numbers->name, numbers->words);
+    return result;
+  }
+
+  void write(const std::string& text) const {
+    std::FILE* file = out.empty() || out == "-" ? stdout : std::fopen(out.c_str(), "w");
+    if (file == nullptr) throw InputError(Place{out}, "this file cannot be written");
+    const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+    const bool flushed = (file == stdout ? std::fflush(file) : std::fclose(file)) == 0;
+    if (!written || !flushed) throw InputError(Place{out.empty() ? "standard output" : out}, "writing failed");
+  }
+};
+
+StateProgram::StateProgram(std::string name, std::string description, bool takes_loads)
+    : state_(std::make_unique<State>(std::move(name), description, takes_loads)) {}
+StateProgram::~StateProgram() = default;
+
+void StateProgram::option(const std::string& name, std::string& value, const std::string& help) {
+  state_->app.add_option(name, value, help)->capture_default_str();
+}
+
+void StateProgram::numbers(const std::string& name, std::optional<std::vector<double>>& value,
+                           const std::string& help) {
+  state_->own.push_back(std::make_unique<State::Numbers>(State::Numbers{name, {}, &value}));
+  state_->app.add_option(name, state_->own.back()->words, help);
+}
+
+int StateProgram::run(int argc, const char* const* argv, const std::function<StateOutput(const StateInput&)>& body) {
+  constexpr int bad_input = 2;
+  try {
+    state_->app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return state_->app.exit(error) == 0 ? 0 : bad_input;
+  }
+  try {
+    const StateOutput output = body(state_->input());
+    state_->write(output.text);
+    return output.exit_code;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", state_->name, error.what());
+    return bad_input;
+  }
+}
+
+}  // namespace lanc

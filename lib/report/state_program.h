@@ -1,0 +1,55 @@
+// What the programs about one model at one state have in common: command line, state and loads, output, exit codes.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/io/mechanism.h"
+
+namespace lanc {
+
+enum class Format { text, json };
+
+/// The model a user named, at the state and under the loads the user gave.
+struct StateInput {
+  std::string argument;  // the model as on the command line
+  Model model;
+  State<double> state;  // checked
+  Loads<double> loads;
+  Format format = Format::text;
+};
+
+/// What a program has to say, and the exit code it ends with.
+struct StateOutput {
+  std::string text;
+  int exit_code = 0;
+};
+
+/// Program `NAME MODEL [--time T] [--q ...] [--v ...] [--state FILE.json] [--format json|text] [--out FILE]`; with
+/// loads also --tau and --wrench. The state is that of the model, then of --state, then of the other options. Tested by
+/// tests/cli/cli_test.cpp.
+class StateProgram {
+ public:
+  StateProgram(std::string name, std::string description, bool takes_loads);
+  ~StateProgram();
+
+  /// Options of this program's own; what they hold now is the default.
+  void option(const std::string& name, std::string& value, const std::string& help);
+  void numbers(const std::string& name, std::optional<std::vector<double>>& value, const std::string& help);
+
+  /// Exit code of `body`, or 2 for bad input of any kind, told on stderr. --help, --list-models and
+  /// --list-formulations print and run nothing.
+  int run(int argc, const char* const* argv, const std::function<StateOutput(const StateInput&)>& body);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// "1,2.5,-3e-2", commas or spaces between. Throws InputError naming `who` and what is no number.
+std::vector<double> read_numbers(const std::string& who, const std::string& text);
+
+}  // namespace lanc
