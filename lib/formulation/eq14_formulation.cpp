@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace lanc {
 
 Eq14Formulation::Eq14Formulation(const Model& model, const Eq14Settings& settings)
@@ -42,6 +45,27 @@ std::optional<LibraryStatistics> Eq14Formulation::statistics() const {
                            .bytes = s.bytes,
                            .factorise_flops = s.factorise_flops,
                            .solve_flops = s.solve_flops};
+}
+
+std::vector<double> unit_scale(const Model& model, const Eq14Layout& layout) {
+  double mass = 0;
+  for (const Link& link : model.links()) mass += std::abs(link.inertia.mass);
+  if (!(mass > 0)) mass = model.bodies();
+  const auto power_of_two = [](double x) { return std::exp2(std::rint(std::log2(x))); };
+  const double root = power_of_two(std::sqrt(mass / model.bodies())), length = power_of_two(model.length());
+  const Eq14Matrix<double> matrix(model, layout);
+  std::vector<double> scale(matrix.size());
+  for (int i = 0; i < model.bodies(); ++i) {
+    double* const a = scale.data() + matrix.column(i, Block::acceleration);
+    double* const f = scale.data() + matrix.column(i, Block::wrench);
+    double* const vdot = scale.data() + matrix.column(i, Block::velocity);
+    std::fill(a, a + 3, 1 / (root * length)), std::fill(a + 3, a + 6, 1 / root);
+    std::fill(f, f + 3, root * length), std::fill(f + 3, f + 6, root);
+    const Link& link = model.link(i);
+    for (int k = 0; k < link.nv; ++k)
+      vdot[k] = model.column_kind(link.v + k) == ColumnKind::translation ? 1 / root : 1 / (root * length);
+  }
+  return scale;
 }
 
 std::optional<std::string> eq14_objection(const Model& model) { return Eq14Matrix<double>::objection(model); }

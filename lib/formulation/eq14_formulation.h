@@ -17,6 +17,10 @@ struct Eq14Settings {
   SolverFactory make_solver = nullptr;
 };
 
+/// For a layout with the same order in rows and columns: multiplying row and column k of eq. 14 by the k-th of these
+/// (powers of two) leaves its entries without units. Lengths are measured in the model's, masses in the mean mass.
+std::vector<double> unit_scale(const Model& model, const Eq14Layout& layout);
+
 /// Constructor: pattern of eq. 14 and symbolic factorisation, once per model. assemble: values. factorise: numeric
 /// factorisation. substitute: forward and back substitution, any number of times. `double` only, as SuiteSparse is.
 class Eq14Formulation : public Formulation<double> {

@@ -34,6 +34,8 @@ struct SparseOptions {
   /// factorisations that do not pivot (CHOLMOD) or always find a good one (SPQR).
   double pivot_tolerance = 0;
   bool refine = false;  // iterative refinement inside the library, where it has one (UMFPACK)
+  /// Row and column k are multiplied by scale[k] where a library decides a rank (SPQR); empty: by 1.
+  std::vector<double> scale;
 };
 
 /// How a factorisation ended.
