@@ -43,10 +43,11 @@ struct BodyMotion {
 };
 std::vector<BodyMotion> body_motions(const Model& model, const Curve& curve);
 
-/// First derivative at 0 of a scalar function, eighth order, with the step used for the poses.
+/// First derivative at 0 of a scalar function, eighth order. The step is smaller than that of the poses, so that
+/// accelerations of thousands do no harm: nothing is divided by its square.
 template <class Function>
 Real derivative(Function f) {
-  const Real h = Real(1) / 64;
+  const Real h = Real(1) / 1024;
   return (Real(4) / 5 * (f(h) - f(-h)) - Real(1) / 5 * (f(2 * h) - f(-2 * h)) + Real(4) / 105 * (f(3 * h) - f(-3 * h)) -
           Real(1) / 280 * (f(4 * h) - f(-4 * h))) /
          h;

@@ -9,8 +9,8 @@
 namespace lanc::test {
 
 /// Eq. 14 written out as one dense matrix of 6×6 blocks M, B, C, solved by LU with full pivoting. 12n + n_η unknowns,
-/// cubic: up to about 20 bodies. `rank_deficiency`, if given, receives the number of vanishing pivots.
-Solution<long double> solve_eq14_naively(const System<long double>& system, int* rank_deficiency = nullptr);
+/// cubic: up to about 20 bodies.
+Solution<long double> solve_eq14_naively(const System<long double>& system);
 
 /// The non-recursive way of the lecture, with J = B⁻¹ C formed column by column: JᵀMJ η̇ = Jᵀ(f̂^tc − M ā) + τ. Cubic in
 /// n_η: up to a few hundred velocities.

@@ -70,7 +70,8 @@ MotionSpec random_motion(Random& random, int kind) {
     case 2: return Sine{a, b, random.uniform(0.5, 3), c};
     case 3: {
       SplineTable table;  // no knot near t = 1/2, where the states are: differences must not cross one
-      for (int k = 0; k <= 8; ++k) table.times.push_back(-1 + 0.4 * k), table.values.push_back(random.uniform(-0.3, 0.3));
+      for (int k = 0; k <= 8; ++k)
+        table.times.push_back(-1 + 0.4 * k), table.values.push_back(random.uniform(-0.3, 0.3));
       return table;
     }
     default: {
