@@ -53,6 +53,14 @@ bool finite(const System<S>& system) {
                      [](const S& x) { return std::isfinite(to_double(x)); });
 }
 
+/// The place of a body on the ground enters no equation: the answer may be finite where the state is not.
+template <class S>
+bool roots_finite(const System<S>& system) {
+  for (int i = 0; i < system.model.bodies(); ++i)
+    if (system.model.link(i).parent == ground && !finite(system.bodies[i].r)) return false;
+  return true;
+}
+
 /// A correction this large relative to the answer means that no digit of it can be trusted.
 constexpr double largest_correction = 1e-3;
 
@@ -65,7 +73,7 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution) {
   if (outcome.usable()) {
     substitute(system, system.rhs, solution);
     drive_forces(system, solution);
-    if (!finite(solution))
+    if (!finite(solution) || !roots_finite(system))
       outcome = {Status::singular,
                  "the answer is not finite: a pivot vanished, so the mass matrix is singular at this state"};
   }
