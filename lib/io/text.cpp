@@ -71,7 +71,7 @@ void check_name(const std::string& text, const Place& place, const std::string& 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
   constexpr std::size_t longest = 64;
   std::string_view best;
-  int best_distance = word.size() <= 5 ? 2 : 3;  // must be smaller
+  int best_distance = word.size() <= 2 ? 1 : word.size() <= 5 ? 2 : 3;  // must be smaller
   if (word.size() > longest) return best;
   for (const std::string_view candidate : candidates) {
     if (candidate.size() > longest) continue;

@@ -18,8 +18,8 @@ std::string read_model_file(const std::string& path);
 /// characters, at most 255 bytes. `what` says whose name it is.
 void check_name(const std::string& text, const Place& place, const std::string& what);
 
-/// The candidate a mistyped word is close to (edit distance with transpositions: one in words of up to five letters,
-/// two in longer ones), or nothing.
+/// The candidate a mistyped word is close to (edit distance with transpositions: one in words of three to five
+/// letters, two in longer ones), or nothing.
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
 
 /// "; did you mean 'x'?", or nothing when no candidate is near.

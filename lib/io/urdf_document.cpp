@@ -92,6 +92,7 @@ class Reader {
     for (const std::string_view prefix : {"XML_ERROR_", "XML_"})
       if (reason.compare(0, prefix.size(), prefix) == 0) reason.erase(0, prefix.size());
     for (char& c : reason) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (xml_.ErrorID() == tinyxml2::XML_ERROR_PARSING_ATTRIBUTE) reason += " (malformed, or given twice)";
     throw InputError({file_, std::max(1, xml_.ErrorLineNum()), 0},
                      fmt::format("this is not well-formed XML: {}; mend the markup", reason));
   }
