@@ -223,6 +223,39 @@ TEST(SparseFormulations, never_call_a_wrong_answer_solved_where_inertias_are_sin
   EXPECT_GT(solved, possible / 4);
 }
 
+TEST(SparseFormulations, are_right_or_object_while_an_inertia_becomes_singular) {
+  int objections = 0;
+  for (int seed = 0; seed < 40; ++seed)
+    for (double axial = 1; axial > 1e-17; axial /= 100) {
+      ModelSpec spec = random_spec(seed, 6, {.singular_inertias = false, .armature = false, .only_joint = "revolute"});
+      Random random(seed);
+      for (int i = seed % 2; i < 6; i += 2) {  // a rod whose axis no coordinate plane contains
+        const Eigen::Vector3d along = random.direction();
+        spec.bodies[i].inertia =
+            spec.bodies[i].mass / 12 * (Eigen::Matrix3d::Identity() - (1 - axial) * along * along.transpose());
+      }
+      Case c{"rods", Model::build(spec), {}, {}};
+      c.state = random_state(random, c.model);
+      const Solution<long double> expected = reference(c);
+      Evaluator<double> evaluator(c.model);
+      const System<double>& system = evaluator.system(c.state);
+      for (const FormulationInfo* info : sparse()) {
+        Solution<double> solution(c.model);
+        Outcome outcome{Status::objection};
+        if (!info->objection(c.model)) outcome = info->create_double(c.model)->solve(system, solution);
+        if (outcome.status == Status::objection) {
+          EXPECT_LT(axial, 1e-3) << info->name << ": " << outcome.message;
+          ++objections;
+          continue;
+        }
+        ASSERT_EQ(outcome.status, Status::solved) << info->name << ", " << axial << ": " << outcome.message;
+        EXPECT_TRUE(within_relative(std::string(info->name) + ", axial inertia " + std::to_string(axial),
+                                    error(solution, expected), 1e-6, 1));
+      }
+    }
+  EXPECT_GT(objections, 0);
+}
+
 TEST(SparseFormulations, name_the_body_where_the_mass_matrix_is_singular) {
   // a massless body on a joint of its own: nothing resists η̇
   ModelSpec spec =

@@ -20,6 +20,8 @@ class Spqr final : public SparseSolver {
         values_(sample.nonzeros()),
         row_scale_(sample.size),
         column_scale_(sample.size),
+        row_max_(sample.size),
+        column_max_(sample.size),
         given_scale_(options.scale.empty() ? std::vector<double>(sample.size, 1.0) : options.scale) {
     common_.SPQR_nthreads = 1;
     common_.print = 0;
