@@ -34,7 +34,9 @@ Json joint_json(const Model& model, int i) {
           {"parent", joint.parent.empty() ? "ground" : joint.parent},
           {"body", joint.body},
           {"position", vector(joint.frame.position)},
-          {"axis", joint.axis ? vector(*joint.axis) : Json(nullptr)},
+          {"axis", traits.axes == JointAxes::none
+                       ? Json(nullptr)
+                       : vector(joint.frame.rotation * joint.axis.value_or(Eigen::Vector3d::UnitZ()))},
           {"prescribed", joint.motion.has_value()},
           {"q", q},
           {"v", v},

@@ -27,12 +27,11 @@ std::string summary(const StateInput& input) {
   }
   std::string text = fmt::format("{}: {} bodies, {:.6g} kg, gravity {} m/s²\n", model.name(), model.bodies(), mass,
                                  triple(model.spec().gravity));
-  text += fmt::format("Tree, {} bodies deep, {} {}; no loops, no closure rows\n", deepest, leaves,
+  text += fmt::format("Tree of depth {}, with {} {}; no loops, no closure rows\n", deepest, leaves,
                       leaves == 1 ? "end" : "ends");
-  text += fmt::format(
-      "Mobility {} (Grübler count {}), all reactions unique; {} position coordinates, {} prescribed "
-      "motions; verdict: regular\n",
-      model.nv(), model.nv(), model.nq(), model.drives());
+  text += fmt::format("Mobility {} (Grübler count {}); position coordinates: {}; prescribed motions: {}\n", model.nv(),
+                      model.nv(), model.nq(), model.drives());
+  text += "Verdict: regular, all reactions unique\n";
   return text;
 }
 
@@ -54,7 +53,7 @@ std::string body_table(const StateInput& input) {
 
 std::string axis_of(const JointSpec& joint) {
   if (joint.kind.traits().axes == JointAxes::none) return "-";
-  return triple(joint.axis.value_or(Eigen::Vector3d::UnitZ()));
+  return triple(joint.frame.rotation * joint.axis.value_or(Eigen::Vector3d::UnitZ()));
 }
 
 std::string joint_table(const StateInput& input) {
@@ -124,13 +123,14 @@ std::string motion_text(const MotionSpec& motion) {
 
 std::string drive_list(const StateInput& input) {
   const Model& model = input.model;
-  TextTable table({"prescribed", "motion", "value now", "rate now", "unit"}, 2);
+  TextTable table({"prescribed", "motion", "value now", "unit", "rate now", "unit"}, 2);
   const std::vector<std::string> names = model.drive_names();
   for (int d = 0; d < model.drives(); ++d) {
     const MotionSample now = model.motion(d).at(input.state.t);
     const JointSpec& joint = model.spec().joints[model.body_of_drive(d)];
-    table.row({names[d], motion_text(*joint.motion), table_number(now.position), table_number(now.velocity),
-               std::string(joint.kind.traits().q_units[0]) + ", /s"});
+    const JointTraits& traits = joint.kind.traits();
+    table.row({names[d], motion_text(*joint.motion), table_number(now.position), std::string(traits.q_units[0]),
+               table_number(now.velocity), std::string(traits.v_units[0])});
   }
   return table.empty() ? std::string() : fmt::format("\nDrives, at t = {} s\n", input.state.t) + table.text();
 }
@@ -150,19 +150,19 @@ std::string load_tables(const Model& model) {
 }
 
 std::string warning_text(const Model& model) {
-  TextTable table({"warning", ""}, 2);
+  TextTable table({"about", "what to know"}, 2);
   for (const Warning& warning : warnings(model)) table.row({warning.about, warning.text});
-  std::string text = table.empty() ? "\nNo warnings.\n" : "\n" + table.text();
-  TextTable objections({"formulation", ""}, 2);
+  std::string text = table.empty() ? "\nNo warnings\n" : "\nWarnings\n" + table.text();
+  TextTable objections({"formulation", "objects because"}, 2);
   std::vector<std::string_view> willing;
   for (const FormulationInfo& info : formulations()) {
     if (const auto objection = info.objection(model))
-      objections.row({std::string(info.name), "objects: " + *objection});
+      objections.row({std::string(info.name), *objection});
     else
       willing.push_back(info.name);
   }
   text += fmt::format("\nFormulations that take it: {}\n", fmt::join(willing, ", "));
-  return objections.empty() ? text : text + "\n" + objections.text();
+  return objections.empty() ? text : text + objections.text();
 }
 
 }  // namespace

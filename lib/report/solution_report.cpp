@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace lanc {
@@ -13,6 +14,23 @@ Json six(const Vec3<double>& a, const Vec3<double>& b) {
 
 void add_six(std::vector<std::string>& cells, const Vec3<double>& a, const Vec3<double>& b) {
   for (const double x : {a.x, a.y, a.z, b.x, b.y, b.z}) cells.push_back(table_number(x));
+}
+
+/// Members and elements on lines of their own, but arrays and objects of plain values on one line.
+void append(std::string& text, const Json& value, std::size_t indent) {
+  const auto plain = [](const Json& x) { return !x.is_structured(); };
+  if (value.empty() || plain(value) || (std::all_of(value.begin(), value.end(), plain) && indent > 0)) {
+    text += value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return;
+  }
+  const std::string margin(indent + 1, ' ');
+  text += value.is_object() ? "{" : "[";
+  for (auto item = value.begin(); item != value.end(); ++item) {
+    text += (item == value.begin() ? "\n" : ",\n") + margin;
+    if (value.is_object()) text += Json(item.key()).dump(-1, ' ', false, Json::error_handler_t::replace) + ": ";
+    append(text, *item, indent + 1);
+  }
+  text += fmt::format("\n{:{}}{}", "", indent, value.is_object() ? "}" : "]");
 }
 
 }  // namespace
@@ -41,7 +59,9 @@ Json json_names(const Model& model) {
 }
 
 std::string json_text(const Json& document) {
-  return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text;
+  append(text, document, 0);
+  return text + "\n";
 }
 
 std::string force_unit(std::string_view coordinate_unit) { return coordinate_unit == "m" ? "N" : "N m"; }
