@@ -30,8 +30,12 @@ std::vector<Warning> warnings(const Model& model) {
   std::vector<Warning> list;
   for (int i = 0; i < model.bodies(); ++i) {
     const BodySpec& body = model.spec().bodies[i];
-    if (const auto text = inertia_warning(body)) list.push_back({body.name, *text});
     const Link& link = model.link(i);
+    const bool frame = link.nv == 0 && body.mass == 0 && body.inertia.isZero(0);
+    if (frame)
+      list.push_back({body.name, "massless and without a freedom of its own: a frame"});
+    else if (const auto text = inertia_warning(body))
+      list.push_back({body.name, *text});
     bool armature = link.nv > 0;
     for (int k = link.v; k < link.v + link.nv; ++k) armature = armature && model.armature()[k] > 0;
     if (link.leaf && link.nv > 0 && body.mass == 0 && body.inertia.isZero(0) && !armature)
