@@ -120,14 +120,14 @@ std::vector<Case> cases() {
   return result;
 }
 
-TEST(Flops, of_klu_are_exactly_those_of_lu_on_count) {
+TEST(LibraryFlops, of_klu_are_exactly_those_of_lu_on_count) {
   for (const Case& c : cases()) {
     const Counted flops = counted("eq14-klu", c, lu);
     EXPECT_EQ(flops.library, flops.count) << c.name;
   }
 }
 
-TEST(Flops, of_cholmod_are_exactly_those_of_ldl_on_count) {
+TEST(LibraryFlops, of_cholmod_are_exactly_those_of_ldl_on_count) {
   for (const Case& c : cases()) {
     const Counted flops = counted("eq14-cholmod", c, ldl, true);
     EXPECT_EQ(flops.library, flops.count) << c.name;
@@ -135,7 +135,7 @@ TEST(Flops, of_cholmod_are_exactly_those_of_ldl_on_count) {
 }
 
 /// UMFPACK skips entries that happen to be zero, such as those of axes along a coordinate, and exact cancellations.
-TEST(Flops, of_umfpack_are_those_of_lu_on_count_less_accidental_zeros) {
+TEST(LibraryFlops, of_umfpack_are_those_of_lu_on_count_less_accidental_zeros) {
   if (!find_formulation("eq14-umfpack")) GTEST_SKIP() << "built without the GPL parts of SuiteSparse";
   for (const Case& c : cases()) {
     const Counted flops = counted("eq14-umfpack", c, lu);
@@ -145,7 +145,7 @@ TEST(Flops, of_umfpack_are_those_of_lu_on_count_less_accidental_zeros) {
 }
 
 /// SPQR's fronts also work on zeros, and it counts a reflection of m rows and n columns as 4 m n and more.
-TEST(Flops, of_spqr_are_at_most_twice_those_of_householder_reflections_on_count) {
+TEST(LibraryFlops, of_spqr_are_at_most_twice_those_of_householder_reflections_on_count) {
   if (!find_formulation("eq14-spqr")) GTEST_SKIP() << "built without the GPL parts of SuiteSparse";
   for (const Case& c : cases()) {
     const Counted flops = counted("eq14-spqr", c, qr);
