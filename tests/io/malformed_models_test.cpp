@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 
@@ -302,11 +302,14 @@ const Bad bad_urdf[] = {
     {"name_that_is_no_utf8", robot("<link name='\xff'/>"), "4", {"UTF-8"}},
 };
 
+/// Processor time, so that a busy machine does not count.
+double cpu_seconds(std::clock_t start) { return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC; }
+
 using Load = Mechanism (*)(std::string_view, const std::string&);
 
 void expect_refused(const Bad& bad, Load load) {
   SCOPED_TRACE(bad.name);
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   try {
     load(bad.text, "model");
     ADD_FAILURE() << "accepted";
@@ -318,7 +321,7 @@ void expect_refused(const Bad& bad, Load load) {
     for (const std::string& fragment : bad.fragments) EXPECT_NE(message.find(fragment), std::string::npos) << message;
     EXPECT_LT(message.size(), 1200u);
   }
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 10);
+  EXPECT_LT(cpu_seconds(start), 10);
 }
 
 TEST(MalformedToml, is_refused_with_place_thing_and_mend) {
@@ -342,9 +345,9 @@ TEST_P(Garbage, of_fifty_megabytes_is_refused_quickly) {
       std::ofstream file(path, std::ios::binary);
       for (std::size_t size = 0; size < 50000000; size += piece.size()) file << piece;
     }
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     EXPECT_THROW(load_mechanism(path), InputError) << path;
-    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 30) << path;
+    EXPECT_LT(cpu_seconds(start), 30) << path;
     std::filesystem::remove(path);
   }
 }
