@@ -68,6 +68,9 @@ std::vector<double> unit_scale(const Model& model, const Eq14Layout& layout) {
   return scale;
 }
 
-std::optional<std::string> eq14_objection(const Model& model) { return Eq14Matrix<double>::objection(model); }
+std::optional<std::string> eq14_objection(const Model& model) {
+  if (model.bodies() == 0) return "the model has no bodies, and sparse solvers take no empty matrix";
+  return Eq14Matrix<double>::objection(model);
+}
 
 }  // namespace lanc

@@ -44,7 +44,7 @@ class Eq14Formulation : public Formulation<double> {
   std::vector<double> b_, x_;
 };
 
-/// The objection all of them share: too many entries.
+/// The objections all of them share: no bodies, or too many entries.
 std::optional<std::string> eq14_objection(const Model& model);
 
 }  // namespace lanc
