@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formulations/schur-cholmod/no_fill_ldl.h"
 #include "formulations/schur-cholmod/schur_matrix.h"
 #include "lib/formulation/formulation.h"
 #include "lib/formulation/inertia_rank.h"
@@ -17,38 +18,57 @@ constexpr double least_pivot = 1.5e-8;
 /// S and its factor take 12 bytes an entry each: 3.6 GB.
 constexpr std::int64_t most_nonzeros = 150'000'000;
 
-class SchurCholmod final : public Formulation<double> {
+/// CHOLMOD on double, the same elimination written out on other scalars.
+template <class S>
+class SchurSolver {
  public:
-  SchurCholmod(const Model& model, EliminationOrder order)
-      : Formulation<double>(model), matrix_(model), b_(matrix_.size()), mu_(matrix_.size()) {
-    if (matrix_.size() > 0) solver_ = make_cholmod(view(), {.order = order});
+  SchurSolver(const SchurMatrix<S>& matrix, EliminationOrder) : matrix_(matrix), ldl_(matrix.starts(), matrix.rows()) {}
+
+  Factorisation factorise() {
+    ldl_.factorise(matrix_.values());
+    for (int k = 0; k < matrix_.size(); ++k)
+      if (to_double(ldl_.pivot(k)) == 0) return {Factorisation::Result::singular, k, {}};
+    return {};
+  }
+  void solve(std::vector<S>& b, std::vector<S>& x) {
+    x = b;
+    ldl_.solve(x);
+  }
+  /// Least pivot relative to the diagonal entry it is what is left of.
+  double quality() const {
+    double least = 1;
+    for (int k = 0; k < matrix_.size(); ++k)
+      least = std::min(least, std::abs(to_double(ldl_.pivot(k)) / to_double(matrix_.diagonal(k))));
+    return least;
+  }
+  std::optional<FactorStatistics> statistics() const { return std::nullopt; }
+
+ private:
+  const SchurMatrix<S>& matrix_;
+  NoFillLdl<S> ldl_;
+};
+
+template <>
+class SchurSolver<double> {
+ public:
+  SchurSolver(const SchurMatrix<double>& matrix, EliminationOrder order) : matrix_(matrix) {
+    if (matrix_.size() > 0) cholmod_ = make_cholmod(view(), {.order = order});
   }
 
-  void assemble(const System<double>& system) override { matrix_.refill(system); }
-
-  Outcome factorise(const System<double>&) override {
-    if (!solver_) return worst_inertia();
-    const Factorisation end = solver_->factorise(view());
-    if (end.result == Factorisation::Result::failed) return {Status::objection, std::string(end.reason)};
-    if (end.result == Factorisation::Result::singular)
-      return {Status::objection,
-              "G M^-1 G^T is singular to working precision; take a formulation that does not form it"};
-    return worst_inertia();
+  Factorisation factorise() { return cholmod_ ? cholmod_->factorise(view()) : Factorisation{}; }
+  void solve(std::vector<double>& b, std::vector<double>& x) {
+    if (cholmod_) cholmod_->solve(view(), b, x);
   }
-
-  void substitute(const System<double>& system, const RightHandSide<double>& rhs, Solution<double>& solution) override {
-    matrix_.scatter(system, rhs, b_);
-    if (solver_) solver_->solve(view(), b_, mu_);
-    matrix_.gather(system, rhs, mu_, solution);
+  double quality() const {
+    double least = 1;
+    if (!cholmod_) return least;
+    const LdlFactors f = cholmod_->factors();
+    for (int k = 0; k < matrix_.size(); ++k)
+      least = std::min(least, std::abs(f.values[f.starts[k]] / matrix_.diagonal(f.order[k])));
+    return least;
   }
-
-  std::optional<LibraryStatistics> statistics() const override {
-    LibraryStatistics result{.unknowns = matrix_.size(), .matrix_nonzeros = matrix_.starts().back()};
-    if (!solver_) return result;
-    const FactorStatistics s = solver_->statistics();
-    result.factor_nonzeros = s.nonzeros, result.bytes = s.bytes;
-    result.factorise_flops = s.factorise_flops, result.solve_flops = s.solve_flops;
-    return result;
+  std::optional<FactorStatistics> statistics() const {
+    return cholmod_ ? cholmod_->statistics() : FactorStatistics{.factorise_flops = 0, .solve_flops = 0};
   }
 
  private:
@@ -56,29 +76,63 @@ class SchurCholmod final : public Formulation<double> {
     return {matrix_.size(), matrix_.starts().data(), matrix_.rows().data(), matrix_.values().data()};
   }
 
+  const SchurMatrix<double>& matrix_;
+  std::unique_ptr<CholmodSolver> cholmod_;  // null when no joint leaves an unknown: all bodies are free
+};
+
+template <class S>
+class SchurCholmod final : public Formulation<S> {
+ public:
+  explicit SchurCholmod(const Model& model, EliminationOrder order = EliminationOrder::as_given)
+      : Formulation<S>(model), matrix_(model), solver_(matrix_, order), b_(matrix_.size()), mu_(matrix_.size()) {}
+
+  void assemble(const System<S>& system) override { matrix_.refill(system); }
+
+  Outcome factorise(const System<S>&) override {
+    const Factorisation end = solver_.factorise();
+    if (end.result == Factorisation::Result::failed) return {Status::objection, std::string(end.reason)};
+    if (end.result == Factorisation::Result::singular)
+      return {Status::objection,
+              "G M^-1 G^T is singular to working precision; take a formulation that does not form it"};
+    return judged();
+  }
+
+  void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override {
+    matrix_.scatter(system, rhs, b_);
+    solver_.solve(b_, mu_);
+    matrix_.gather(system, rhs, mu_, solution);
+  }
+
+  std::optional<LibraryStatistics> statistics() const override {
+    const auto s = solver_.statistics();
+    if (!s) return std::nullopt;
+    return LibraryStatistics{.unknowns = matrix_.size(),
+                             .matrix_nonzeros = matrix_.starts().back(),
+                             .factor_nonzeros = s->nonzeros,
+                             .bytes = s->bytes,
+                             .factorise_flops = s->factorise_flops,
+                             .solve_flops = s->solve_flops};
+  }
+
+ private:
   /// S has the errors of M⁻¹, and its elimination magnifies them: the product of both is what is lost.
-  Outcome worst_inertia() const {
-    double pivot = 1;
-    if (solver_) {
-      const LdlFactors f = solver_->factors();
-      for (int k = 0; k < matrix_.size(); ++k)
-        pivot = std::min(pivot, std::abs(f.values[f.starts[k]] / matrix_.diagonal(f.order[k])));
-    }
+  Outcome judged() const {
+    const Model& model = this->model();
     int worst = 0;
-    for (int i = 1; i < model().bodies(); ++i)
+    for (int i = 1; i < model.bodies(); ++i)
       if (!(matrix_.inertia_quality(i) >= matrix_.inertia_quality(worst))) worst = i;
-    const double inertia = model().bodies() > 0 ? matrix_.inertia_quality(worst) : 1;
+    const double inertia = model.bodies() > 0 ? matrix_.inertia_quality(worst) : 1, pivot = solver_.quality();
     if (pivot * inertia > least_pivot) return {};
     return {
         Status::objection,
         fmt::format("the inertia of body '{}' is singular to {:.1e} and G M^-1 G^T to {:.1e}; take a formulation that "
                     "does not form it",
-                    model().spec().bodies[worst].name, inertia, pivot)};
+                    model.spec().bodies[worst].name, inertia, pivot)};
   }
 
-  SchurMatrix<double> matrix_;
-  std::unique_ptr<CholmodSolver> solver_;  // null when no joint leaves an unknown: all bodies are free
-  std::vector<double> b_, mu_;
+  SchurMatrix<S> matrix_;
+  SchurSolver<S> solver_;
+  std::vector<S> b_, mu_;
 };
 
 std::optional<std::string> objection(const Model& model) {
@@ -94,20 +148,18 @@ std::optional<std::string> objection(const Model& model) {
   return std::nullopt;
 }
 
-std::unique_ptr<Formulation<double>> standard(const Model& model) {
-  return std::make_unique<SchurCholmod>(model, EliminationOrder::as_given);
-}
-
-constexpr Variant variants[] = {{"ordering=leaf-to-root", standard},
+constexpr Variant variants[] = {{"ordering=leaf-to-root", create<SchurCholmod<double>, double>},
                                 {"ordering=amd", [](const Model& model) -> std::unique_ptr<Formulation<double>> {
-                                   return std::make_unique<SchurCholmod>(model, EliminationOrder::amd);
+                                   return std::make_unique<SchurCholmod<double>>(model, EliminationOrder::amd);
                                  }}};
 
 const Registration registration({.name = "schur-cholmod",
                                  .idea = "maximal coordinates: eliminate the accelerations, G M^-1 G^T by CHOLMOD",
-                                 .source = "Baraff 1996; Lubich et al. 1992",
+                                 .source = "Baraff 1996",
                                  .objection = objection,
-                                 .create_double = standard,
+                                 .create_double = create<SchurCholmod<double>, double>,
+                                 .create_long_double = create<SchurCholmod<long double>, long double>,
+                                 .create_count = create<SchurCholmod<Count>, Count>,
                                  .variants = variants});
 
 }  // namespace

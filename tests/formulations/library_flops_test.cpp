@@ -134,6 +134,23 @@ TEST(LibraryFlops, of_cholmod_are_exactly_those_of_ldl_on_count) {
   }
 }
 
+TEST(LibraryFlops, of_schur_cholmod_are_exactly_those_of_the_formulation_on_count) {
+  for (const Case& c : cases()) {
+    const FormulationInfo* info = find_formulation("schur-cholmod");
+    Evaluator<double> evaluator(c.model);
+    Evaluator<Count> counting(c.model);
+    const System<double>& system = evaluator.system(c.state, c.loads);
+    const System<Count>& counted_system = counting.system(cast<Count>(c.state), cast<Count>(c.loads));
+    const auto formulation = info->create_double(c.model);
+    const auto on_count = info->create_count(c.model);
+    formulation->assemble(system), on_count->assemble(counted_system);
+    EXPECT_TRUE(formulation->factorise(system).usable());
+    const Tally before = Count::tally();
+    EXPECT_TRUE(on_count->factorise(counted_system).usable());
+    EXPECT_EQ(formulation->statistics()->factorise_flops, static_cast<double>((Count::tally() - before).flops()));
+  }
+}
+
 /// UMFPACK skips entries that happen to be zero, such as those of axes along a coordinate, and exact cancellations.
 TEST(LibraryFlops, of_umfpack_are_those_of_lu_on_count_less_accidental_zeros) {
   if (!find_formulation("eq14-umfpack")) GTEST_SKIP() << "built without the GPL parts of SuiteSparse";

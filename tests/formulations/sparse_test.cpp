@@ -61,7 +61,7 @@ Solution<long double> reference(const Case& c) {
   return solution;
 }
 
-constexpr Features regular{.singular_inertias = false};
+const Features regular{.singular_inertias = false};
 
 TEST(SparseFormulations, agree_with_the_recursion_in_long_double_on_random_trees_of_all_joints) {
   for (int seed = 0; seed < 60; ++seed) {
