@@ -184,12 +184,14 @@ std::vector<Kind> zoo() {
   for (const auto& entry : solvable()) {
     const auto name = entry.first;
     const auto make = entry.second;
-    result.push_back({name, [name, make] { return case_of(name, make()); }, true});
+    // LU and QR lose some of the six decades between the masses, maximal coordinates four
+    const double condition = name.find("heavy") != std::string::npos ? 1e4 : 1;
+    result.push_back({name, [name, make] { return case_of(name, make()); }, condition, true});
   }
   for (const auto& entry : unsolvable()) {
     const auto name = entry.first;
     const auto make = entry.second;
-    result.push_back({name, [name, make] { return case_of(name, make()); }, false});
+    result.push_back({name, [name, make] { return case_of(name, make()); }, 1, false});
   }
   return result;
 }
@@ -197,7 +199,7 @@ std::vector<Kind> zoo() {
 std::vector<Case> small_zoo(int bodies) {
   std::vector<Case> result;
   for (const Kind& kind : zoo()) {
-    if (!kind.solvable) continue;
+    if (!kind.solvable || kind.condition > 1) continue;
     Case c = kind.make();
     if (c.model.bodies() <= bodies) result.push_back(std::move(c));
   }
