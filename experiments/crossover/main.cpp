@@ -90,9 +90,10 @@ void measure(Experiment& experiment, const std::string& name) {
             cell, std::vector<Measurement>{{"total", "flops", none, "1", std::string(to_string(Status::objection))}});
       continue;
     }
-    auto timer = std::make_unique<PhaseTimer>(*info, model, mechanism.state);
+    auto timer = std::make_unique<PhaseTimer>(info->create_double, model, mechanism.state);
     if (!report.has(cell)) report.write(cell, counted(*info, mechanism, *timer, kinematics));
-    timers.emplace_back(info, std::move(timer));
+    if (timer->outcome().usable())
+      timers.emplace_back(info, std::move(timer));  // a time without an answer says nothing
   }
   for (int r = 0; r < repetitions; ++r)
     for (auto& [info, timer] : timers) {

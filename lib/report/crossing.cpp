@@ -7,29 +7,44 @@
 
 namespace lanc {
 
+namespace {
+
+/// The crossing between two neighbouring sizes; x[below] the first below.
+CrossingPoint between(std::span<const double> x, std::span<const double> cost, std::span<const double> other,
+                      std::size_t above, std::size_t below) {
+  const double before = cost[above] - other[above], after = cost[below] - other[below];
+  return {CrossingPoint::Kind::crosses, below, x[above] + (x[below] - x[above]) * before / (before - after)};
+}
+
+}  // namespace
+
 CrossingPoint crossing(std::span<const double> x, std::span<const double> cost, std::span<const double> other) {
-  CrossingPoint result;
-  std::optional<std::size_t> later;  // the finite size after k
-  std::optional<std::size_t> last_above;
-  for (std::size_t k = x.size(); k-- > 0 && !last_above;) {
+  std::optional<std::size_t> first;
+  for (std::size_t k = x.size(); k-- > 0;) {
     const double difference = cost[k] - other[k];
     if (!std::isfinite(difference)) continue;
     if (difference < 0)
-      later = k;
+      first = k;
     else
-      last_above = k;
+      return first ? between(x, cost, other, k, *first) : CrossingPoint{};
   }
-  if (!later) return result;
-  result.first = *later;
-  if (!last_above) {
-    result.kind = CrossingPoint::Kind::always;
-    result.at = x[*later];
-    return result;
+  return first ? CrossingPoint{CrossingPoint::Kind::always, *first, x[*first]} : CrossingPoint{};
+}
+
+CrossingPoint best_crossing(std::span<const double> x, std::span<const double> cost, std::span<const double> other) {
+  std::vector<std::size_t> sizes;
+  for (std::size_t k = 0; k < x.size(); ++k)
+    if (std::isfinite(cost[k] - other[k]) && cost[k] > 0 && other[k] > 0) sizes.push_back(k);
+  // The sum over the sizes before the crossing is largest there: what comes before is above, what comes after below.
+  double sum = 0, largest = 0;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    sum += std::log(cost[sizes[i]] / other[sizes[i]]);
+    if (sum >= largest) largest = sum, best = i + 1;
   }
-  result.kind = CrossingPoint::Kind::crosses;
-  const double before = cost[*last_above] - other[*last_above], after = cost[*later] - other[*later];
-  result.at = x[*last_above] + (x[*later] - x[*last_above]) * before / (before - after);
-  return result;
+  if (best == sizes.size()) return {};
+  if (best == 0) return {CrossingPoint::Kind::always, sizes[0], x[sizes[0]]};
+  return between(x, cost, other, sizes[best - 1], sizes[best]);
 }
 
 double quantile(std::vector<double> values, double p) {
@@ -47,7 +62,7 @@ MeasuredCrossing measured_crossing(std::span<const double> x, std::span<const st
   const auto crossing_of = [&](const auto& sample) {
     std::vector<double> a(x.size()), b(x.size());
     for (std::size_t k = 0; k < x.size(); ++k) a[k] = median(sample(k, cost[k])), b[k] = median(sample(k, other[k]));
-    return crossing(x, a, b);
+    return best_crossing(x, a, b);
   };
   MeasuredCrossing result;
   result.of_medians = crossing_of([](std::size_t, const std::vector<double>& all) { return all; });

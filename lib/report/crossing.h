@@ -24,6 +24,11 @@ struct CrossingPoint {
 /// and for every integer size when x holds all integers. Tested by tests/report/crossing_test.cpp.
 CrossingPoint crossing(std::span<const double> x, std::span<const double> cost, std::span<const double> other);
 
+/// The same for costs that are measured: the size that parts best the sizes where `cost` is above from those where it
+/// is below, in the sum of log(cost/other). Where the curves run close together, a single disturbed size does not
+/// decide.
+CrossingPoint best_crossing(std::span<const double> x, std::span<const double> cost, std::span<const double> other);
+
 /// p-quantile (0..1) with linear interpolation; NaN when empty.
 double quantile(std::vector<double> values, double p);
 inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
@@ -34,7 +39,7 @@ struct MeasuredCrossing {
   double lower = 0, upper = 0;  // quartiles of the crossing over resamples; ∞ where it is beyond the last size
 };
 
-/// The crossing of the medians, and its quartiles over `resamples` bootstrap samples of the repetitions (each size
+/// The best crossing of the medians, and its quartiles over `resamples` bootstrap samples of the repetitions (each size
 /// resampled with the same repetitions for both: they were interleaved, so a disturbance hit both).
 MeasuredCrossing measured_crossing(std::span<const double> x, std::span<const std::vector<double>> cost,
                                    std::span<const std::vector<double>> other, std::uint64_t seed, int resamples = 200);

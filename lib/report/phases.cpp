@@ -51,11 +51,11 @@ std::vector<Measurement> measurements(const PhaseCounts& counts) {
   return rows;
 }
 
-PhaseTimer::PhaseTimer(const FormulationInfo& info, const Model& model, const State<double>& state)
+PhaseTimer::PhaseTimer(Factory<double> create, const Model& model, const State<double>& state)
     : state_(state), evaluator_(model), solution_(model), system_(&evaluator_.system(state_)) {
   bytes_ = heap_bytes_of([&] {
     const double begin = thread_seconds();
-    formulation_ = info.create_double(model);
+    formulation_ = create(model);
     analyse_seconds_ = thread_seconds() - begin;
     outcome_ = formulation_->solve(*system_, solution_);
   });

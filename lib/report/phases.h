@@ -28,7 +28,7 @@ std::vector<Measurement> measurements(const PhaseCounts& counts);
 class PhaseTimer {
  public:
   /// Binds (analyses) and solves once; outcome() says how that went, and analyse_seconds() what binding took.
-  PhaseTimer(const FormulationInfo& info, const Model& model, const State<double>& state);
+  PhaseTimer(Factory<double> create, const Model& model, const State<double>& state);
 
   const Outcome& outcome() const { return outcome_; }
   double analyse_seconds() const { return analyse_seconds_; }
