@@ -2,7 +2,8 @@
 """Figures of the crossover: operations and time a body against the number of bodies, and crossing points.
 
 plot.py CSV [--out-dir DIR] writes crossover.svg/.pdf (revolute joints: operations and time of the three shapes),
-crossover-joints.svg/.pdf (chains of spherical and free joints) and crossover-phases.svg/.pdf, named after the CSV.
+crossover-joints and -shapes (spherical and free joints), crossover-published (beside counts of the literature) and
+crossover-phases (where the time goes), named after the CSV.
 """
 import argparse
 import collections
@@ -14,6 +15,7 @@ import statistics
 import matplotlib
 
 matplotlib.use("Agg")
+import matplotlib.lines
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullFormatter, ScalarFormatter
 
@@ -86,19 +88,41 @@ def draw(axes, curves, styles, metric, scale):
 
 
 def draw_published(axes, curves):
-    """Thin grey dashes, the recursions darker than the others; a number at the end refers to the legend."""
-    names = sorted(n for n in curves if n.startswith("published"))
-    lines = []
-    for number, name in enumerate(names, 1):
+    """Thin dashes, the recursions darker than the others."""
+    for name in sorted(n for n in curves if n.startswith("published")):
         sizes, values = per_body(curves[name][("total", "flops")])
-        # Numbers apart from each other, where two curves run close together, and inside the axes.
-        low, high = axes.get_ylim()
-        at = [n for n in TICKS[number % 5 + 1:] + TICKS if n in sizes and 1.2 * low < values[sizes.index(n)] < high / 1.3]
-        shade = "0.25" if "recursion" in name else "0.55"
-        lines += axes.plot(sizes, values, color=shade, linestyle=(0, (4, 3)), linewidth=0.9,
-                           marker=f"${number}$", markevery=[sizes.index(n) for n in at[:1]], markersize=7,
-                           label=f"{number}: " + name.replace("published: ", ""))
-    return lines
+        axes.plot(sizes, values, color="0.25" if "recursion" in name else "0.6", linestyle=(0, (4, 3)), linewidth=0.9,
+                  zorder=1.5)
+
+
+def published(data, styles, path):
+    """Counts of revolute chains beside those of the literature, each with its name at the end of its line."""
+    curves = data.get("chain:N", {})
+    names = sorted(n for n in curves if n.startswith("published"))
+    ours = [n for n in order(curves) if n not in names and ("total", "flops") in curves[n]]
+    if not names or not ours:
+        return
+    fig, axes = plt.subplots(figsize=(7.6, 5.2))
+    draw(axes, {n: curves[n] for n in ours}, styles, "flops", 1.0)
+    handles, labels = axes.get_legend_handles_labels()
+    draw_published(axes, curves)
+    ends = []
+    for name in names:
+        sizes, values = per_body(curves[name][("total", "flops")])
+        ends.append((values[-1], sizes[-1], name.replace("published: ", "").replace("JtMJ", "JᵀMJ").replace("^2", "²")
+                     .replace("^3", "³")))
+    dress(axes, "operations of forward dynamics, chain of revolute joints", "operations a body")
+    last = 0.0
+    for value, size, text in sorted(ends):
+        last = max(value, 1.22 * last)  # labels keep apart
+        axes.annotate(text, (size, value), (1.2 * size, last), fontsize=8, va="center", annotation_clip=False,
+                      arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "0.6", "shrinkA": 0, "shrinkB": 2})
+    axes.set_xlim(0.9, 70)
+    axes.set_ylim(bottom=0.5 * min(v for n in ours for v in per_body(curves[n][("total", "flops")])[1]))
+    axes.legend(handles, labels, fontsize=8, frameon=False, loc="upper left",
+                title="counted here (η̇, all â, all f̂)\npublished (dashed): η̇ only", title_fontsize=8)
+    fig.tight_layout()
+    save(fig, path)
 
 
 TITLES = {"chain": "chain", "tree": "binary tree", "star": "star"}
@@ -114,35 +138,30 @@ def figure(data, families, styles, path):
     families = [f for f in families if f in data]
     if not families:
         return
-    published = any(name.startswith("published") for f in families for name in data[f])
-    fig, grid = plt.subplots(2, len(families), figsize=(3.7 * len(families) + 0.6, 7.4 if published else 6.6),
-                             sharex=True, sharey="row", squeeze=False)
+    fig, grid = plt.subplots(2, len(families), figsize=(3.7 * len(families) + 0.6, 6.8), sharex=True, sharey="row",
+                             squeeze=False)
     ours = [value / n for name in families for curve, series in data[name].items() if not curve.startswith("published")
             for n, values in series.get(("total", "flops"), {}).items() for value in values]
     if ours:
         grid[0][0].set_ylim(min(ours) / 1.6, max(ours) * 2)
     handles = {}
-    dashed = []
     for column, name in enumerate(families):
         draw(grid[0][column], data[name], styles, "flops", 1.0)
-        dashed += draw_published(grid[0][column], data[name])
+        draw_published(grid[0][column], data[name])
         draw(grid[1][column], data[name], styles, "time", 1e6)
         dress(grid[0][column], title(name), "operations a body (+ − × ÷ √)" if column == 0 else "")
         dress(grid[1][column], "", "time a body, µs" if column == 0 else "")
         grid[0][column].set_xlabel("")
         for axes in (grid[0][column], grid[1][column]):
             for handle, label in zip(*axes.get_legend_handles_labels()):
-                if not re.match(r"\d+:", label):
-                    handles.setdefault(label, handle)
+                handles.setdefault(label, handle)
     names = order(handles)
-    bottom = 0.08
-    if dashed:
-        bottom = 0.17
-        fig.legend(handles=dashed, loc="lower center", ncol=3, fontsize=7.5, frameon=False, bbox_to_anchor=(0.5, 0.0),
-                   title="published operation counts, revolute chain (η̇ only)", title_fontsize=8)
-    fig.legend([handles[n] for n in names], names, loc="lower center", ncol=min(4, len(names)), fontsize=8.5,
-               frameon=False, bbox_to_anchor=(0.5, bottom - 0.055 if dashed else 0.0))
-    fig.tight_layout(rect=(0, bottom, 1, 1))
+    shown = [handles[n] for n in names]
+    if any(n.startswith("published") for f in families for n in data[f]):
+        shown.append(matplotlib.lines.Line2D([], [], color="0.4", linestyle=(0, (4, 3)), linewidth=0.9))
+        names.append("published counts, η̇ only")
+    fig.legend(shown, names, loc="lower center", ncol=5, fontsize=8.5, frameon=False)
+    fig.tight_layout(rect=(0, 0.075, 1, 1))
     save(fig, path)
 
 
@@ -192,6 +211,7 @@ def main():
            out.with_name(out.name + "-joints"))
     others = [f for f in sorted(data) if "joint=" in f and not f.startswith("chain")]
     figure(data, others, styles, out.with_name(out.name + "-shapes"))
+    published(data, styles, out.with_name(out.name + "-published"))
     if data:
         phases(data, styles, out.with_name(out.name + "-phases"))
 
