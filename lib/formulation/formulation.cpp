@@ -87,7 +87,7 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution) {
                       outcome.forward_error, model_.spec().bodies[model_.singular_inertia_body()].name),
           outcome.forward_error};
   }
-  if (!outcome.usable() && outcome.status != Status::objection && !finite(system))
+  if (!outcome.usable() && !finite(system))
     outcome = {Status::not_finite,
                "the coefficients of eq. 14 are not finite; look at the state, the loads and the motions"};
   return outcome;
