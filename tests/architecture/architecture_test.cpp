@@ -96,7 +96,9 @@ TEST(Architecture, includes_follow_the_arrows) {
 
 TEST(Architecture, every_folder_of_lib_has_a_rule) {
   for (const Source& source : sources())
-    if (source.folder.rfind("lib/", 0) == 0) EXPECT_TRUE(allowed.count(source.folder)) << source.path;
+    if (source.folder.rfind("lib/", 0) == 0) {
+      EXPECT_TRUE(allowed.count(source.folder)) << source.path;
+    }
 }
 
 TEST(Architecture, suitesparse_shows_in_lib_solve_alone) {
