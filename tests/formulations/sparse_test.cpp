@@ -277,6 +277,15 @@ TEST(SparseFormulations, name_the_body_where_the_mass_matrix_is_singular) {
   }
 }
 
+TEST(SparseFormulations, of_maximal_coordinates_object_to_a_huge_star_with_the_number) {
+  ModelSpec spec = random_spec(1, 4000, {.singular_inertias = false, .only_joint = "revolute"});
+  for (int i = 1; i < 4000; ++i) spec.joints[i].parent = spec.bodies[0].name;
+  const auto why = find_formulation("schur-cholmod")->objection(Model::build(spec));
+  ASSERT_TRUE(why.has_value());
+  EXPECT_NE(why->find("entries"), std::string::npos) << *why;
+  EXPECT_EQ(find_formulation("eq14-klu")->objection(Model::build(spec)), std::nullopt);
+}
+
 /// Dense copy, rows by columns.
 template <class S>
 std::vector<std::vector<S>> dense(const Eq14Matrix<S>& matrix) {
