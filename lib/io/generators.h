@@ -22,8 +22,8 @@ struct GeneratorInfo {
 /// All generators, in the order in which they are documented (data/models/README.md).
 std::span<const GeneratorInfo> generators();
 
-/// "name:size:key=value:…"; nothing when `argument` does not begin with the name of a generator. Throws InputError when it
-/// does and cannot be understood. Numbers are made of integers and + − × ÷ sqrt, equal on every machine.
+/// "name:size:key=value:…"; nothing when `argument` does not begin with the name of a generator. Throws InputError when
+/// it does and cannot be understood. Numbers are made of integers and + − × ÷ sqrt, equal on every machine.
 std::optional<Mechanism> generate(std::string_view argument);
 
 }  // namespace lanc
