@@ -3,12 +3,12 @@
 namespace lanc::test {
 namespace {
 
-constexpr Features plain{.prescribed = false,
-                         .singular_inertias = false,
-                         .dissipation = false,
-                         .springs = false,
-                         .wrenches = false,
-                         .armature = false};
+const Features plain{.prescribed = false,
+                     .singular_inertias = false,
+                     .dissipation = false,
+                     .springs = false,
+                     .wrenches = false,
+                     .armature = false};
 
 Case case_of(const std::string& name, ModelSpec spec) {
   spec.name = name;
