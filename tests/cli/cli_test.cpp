@@ -61,11 +61,12 @@ std::string quoted(const std::string& word) {
 /// Runs the program that lies beside this test.
 Finished run(const std::string& program, const Words& arguments) {
   const fs::path bin = fs::read_symlink("/proc/self/exe").parent_path();
-  std::string command = quoted((bin / program).string());
-  for (const std::string& argument : arguments) command += " " + quoted(argument);
   const fs::path out = folder() / "stdout", error = folder() / "stderr";
-  command += " >" + quoted(out.string()) + " 2>" + quoted(error.string()) + " </dev/null";
-  const int status = std::system(command.c_str());
+  std::ostringstream command;
+  command << quoted((bin / program).string());
+  for (const std::string& argument : arguments) command << ' ' << quoted(argument);
+  command << " >" << quoted(out.string()) << " 2>" << quoted(error.string()) << " </dev/null";
+  const int status = std::system(command.str().c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(error)};
 }
 
