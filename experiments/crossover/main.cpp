@@ -157,36 +157,53 @@ void write_crossings(Experiment& experiment, const std::map<std::string, Family>
   }
 }
 
+/// "11": from 11 bodies on; "1": always; "-": not compared; measured ones with the quartiles of the meeting point.
 std::string told(const PairCrossing& pair, bool measured) {
   switch (pair.kind) {
-    case CrossingPoint::Kind::never: return pair.last == 0 ? "-" : fmt::format("never up to {}", pair.last);
-    case CrossingPoint::Kind::always: return "from 1";
+    case CrossingPoint::Kind::never: return pair.last == 0 ? "-" : "never";
+    case CrossingPoint::Kind::always: return "1";
     case CrossingPoint::Kind::crosses: break;
   }
-  if (!measured) return fmt::format("from {} ({:.1f})", pair.first, pair.at);
+  if (!measured) return fmt::format("{}", pair.first);
   const std::string upper = std::isfinite(pair.upper) ? fmt::format("{:.1f}", pair.upper) : "never";
-  return fmt::format("from {} ({:.1f} .. {})", pair.first, pair.lower, upper);
+  return fmt::format("{} [{:.1f}, {}]", pair.first, pair.lower, upper);
+}
+
+/// Models down, formulations that are not recursive across.
+template <class Crossing>
+void print_table(std::FILE* out, const std::string& title, const std::string& recursive,
+                 const std::map<std::string, Family>& families, const std::vector<std::string>& others,
+                 Crossing&& crossing_of) {
+  fmt::print(out, "\n{}\n  {:<24}", title, "than:");
+  for (const std::string& other : others) fmt::print(out, " {:<15}", other);
+  fmt::print(out, "\n");
+  for (const auto& [name, family] : families) {
+    const auto cost = family.curves.find(recursive);
+    if (cost == family.curves.end() || family.velocities.size() < 2) continue;
+    fmt::print(out, "  {:<24}", name);
+    for (const std::string& other : others) {
+      const auto found = family.curves.find(other);
+      fmt::print(out, " {:<15}", found == family.curves.end() ? "-" : crossing_of(cost->second, found->second));
+    }
+    fmt::print(out, "\n");
+  }
 }
 
 /// For each formulation that is not recursive: the n from which on a recursive one is cheaper.
-void print_table(std::FILE* out, const Experiment& experiment, const std::map<std::string, Family>& families) {
-  for (const FormulationInfo* recursive : experiment.formulations()) {
-    if (!recursive->recursive) continue;
-    const std::string name(recursive->name);
-    fmt::print(out, "\nBodies from which on '{}' needs fewer operations, and less time (quartiles of the crossing):\n",
-               name);
-    fmt::print(out, "  {:<26} {:<34} {:<20} {}\n", "models", "than", "operations", "time");
-    for (const auto& [family_name, family] : families) {
-      const auto cost = family.curves.find(name);
-      if (cost == family.curves.end() || family.velocities.size() < 2) continue;
-      for (const auto& [other_name, other] : family.curves) {
-        const FormulationInfo* info = find_formulation(other_name);
-        if (info == nullptr || info->recursive) continue;
-        fmt::print(out, "  {:<26} {:<34} {:<20} {}\n", family_name, other_name,
-                   told(flops_crossing(cost->second, other), false),
-                   told(time_crossing(cost->second, other, experiment.options().seed), true));
-      }
-    }
+void print_tables(std::FILE* out, const Experiment& experiment, const std::map<std::string, Family>& families) {
+  std::vector<std::string> others;
+  for (const FormulationInfo* info : experiment.formulations())
+    if (!info->recursive) others.emplace_back(info->name);
+  for (const FormulationInfo* info : experiment.formulations()) {
+    if (!info->recursive || others.empty()) continue;
+    const std::string name(info->name);
+    print_table(
+        out, fmt::format("Bodies from which on '{}' needs fewer operations ('never': not up to {})", name, largest),
+        name, families, others, [](const Curve& a, const Curve& b) { return told(flops_crossing(a, b), false); });
+    print_table(out, fmt::format("Bodies from which on '{}' needs less time [quartiles of the crossing]", name), name,
+                families, others, [&](const Curve& a, const Curve& b) {
+                  return told(time_crossing(a, b, experiment.options().seed), true);
+                });
   }
 }
 
@@ -198,7 +215,7 @@ void print_published(std::FILE* out, const std::map<std::string, Family>& famili
   for (const PublishedCount& a : published_counts())
     for (const PublishedCount& b : published_counts())
       if (a.recursive && !b.recursive)
-        fmt::print(out, "  {:<32} than {:<38} {}\n", a.name.substr(11), b.name.substr(11),
+        fmt::print(out, "  {:<18} than {:<26} {}\n", a.name.substr(11), b.name.substr(11),
                    told(flops_crossing(chain->second.curves.at(std::string(a.name)),
                                        chain->second.curves.at(std::string(b.name))),
                         false));
@@ -217,7 +234,7 @@ void crossover(Experiment& experiment) {
   add_published(families, experiment);
   write_crossings(experiment, families);
   std::FILE* out = experiment.options().out == "-" ? stderr : stdout;
-  print_table(out, experiment, families);
+  print_tables(out, experiment, families);
   print_published(out, families);
 }
 

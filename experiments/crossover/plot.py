@@ -114,7 +114,7 @@ def published(data, styles, path):
     dress(axes, "operations of forward dynamics, chain of revolute joints", "operations a body")
     last = 0.0
     for value, size, text in sorted(ends):
-        last = max(value, 1.22 * last)  # labels keep apart
+        last = max(value, 1.32 * last)  # labels keep apart
         axes.annotate(text, (size, value), (1.2 * size, last), fontsize=8, va="center", annotation_clip=False,
                       arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "0.6", "shrinkA": 0, "shrinkB": 2})
     axes.set_xlim(0.9, 70)

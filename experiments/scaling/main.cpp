@@ -58,7 +58,8 @@ std::string kind_of(const std::string& model) {
   return model.substr(0, begin) + model.substr(std::min(model.find(':', begin + 1), model.size()));
 }
 
-constexpr int phases = 5;  // times every phase of a repetition is run through, at least
+constexpr double slowest_repeated = 0.2;  // s: what takes longer is timed once
+constexpr int phases = 5;                 // times every phase of a repetition is run through, at least
 
 class Scaling {
  public:
@@ -95,18 +96,19 @@ class Scaling {
       experiment_.progress().say(fmt::format("{} {}: {}", name, info.name, *reason));
       return refuse(cell, "time", std::numeric_limits<double>::quiet_NaN(), "s");
     }
-    const int repetitions = experiment_.options().repetitions;
     const double bytes = forecasts.bytes.at(model.bodies()), room = memory_share_ * double(available_bytes());
     if (bytes > room) return refuse(cell, "memory_forecast", bytes, "B");
-    const double seconds = forecasts.seconds.at(model.bodies()) * (phases * repetitions + 2);
+    const double once = forecasts.seconds.at(model.bodies());
+    const int repetitions = once < slowest_repeated ? experiment_.options().repetitions : 1;
+    const double seconds = once * (phases * repetitions + 2);
     if (seconds > time_limit_) return refuse(cell, "time_forecast", seconds, "s");
 
     if (!reference) reference = std::make_unique<Reference>(model, mechanism.state);
-    experiment_.report().write(cell, measured(info, mechanism, *reference, forecasts));
+    experiment_.report().write(cell, measured(info, mechanism, *reference, forecasts, repetitions));
   }
 
   std::vector<Measurement> measured(const FormulationInfo& info, const Mechanism& mechanism, const Reference& reference,
-                                    Forecasts& forecasts) {
+                                    Forecasts& forecasts, int repetitions) {
     PhaseTimer timer(info.create_double, mechanism.model, mechanism.state);
     const std::string status(to_string(timer.outcome().status));
     std::vector<Measurement> rows = {{"analyse", "time", timer.analyse_seconds(), "s", status},
@@ -120,16 +122,16 @@ class Scaling {
     if (timer.outcome().usable()) {
       (void)timer.formulation().refine(timer.system(), timer.solution());
       append(reference.errors(timer.system(), timer.solution(), status, "_refined"));
-      append(medians(timer, forecasts, mechanism.model.bodies()));
+      append(medians(timer, forecasts, mechanism.model.bodies(), repetitions));
     }
     return rows;
   }
 
   /// Times by phase: medians over the repetitions.
-  std::vector<Measurement> medians(PhaseTimer& timer, Forecasts& forecasts, int bodies) {
+  std::vector<Measurement> medians(PhaseTimer& timer, Forecasts& forecasts, int bodies, int repetitions) {
     std::vector<Measurement> rows;
     std::vector<std::vector<double>> values;
-    for (int r = 0; r < experiment_.options().repetitions; ++r) {
+    for (int r = 0; r < repetitions; ++r) {
       rows = timer.repetition();
       values.resize(rows.size());
       for (std::size_t k = 0; k < rows.size(); ++k) values[k].push_back(rows[k].value);
@@ -194,6 +196,9 @@ int main(int argc, char** argv) {
   return experiment.run(argc, argv, [&](Experiment& e) {
     Scaling(e, time_limit > 0 ? time_limit : e.options().quick ? 2 : 60, memory_share).run();
     e.progress().clear();
-    print_table(e.options().out == "-" ? stderr : stdout, e.report().rows());
+    std::FILE* out = e.options().out == "-" ? stderr : stdout;
+    print_table(out, e.report().rows());
+    fmt::print(out, "\nMost memory the process held, models and references included: {:.2f} GB\n",
+               1e-9 * static_cast<double>(peak_bytes()));
   });
 }

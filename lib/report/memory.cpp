@@ -1,6 +1,7 @@
 #include "lib/report/memory.h"
 
 #include <malloc.h>
+#include <sys/resource.h>
 
 #include <exception>
 #include <fstream>
@@ -28,6 +29,12 @@ std::int64_t heap_bytes_of(const std::function<void()>& bind) {
   }).join();
   if (error) std::rethrow_exception(error);
   return bytes;
+}
+
+std::int64_t peak_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
 std::int64_t available_bytes() {

@@ -14,6 +14,9 @@ std::int64_t heap_bytes();
 /// replaces the allocator. What `bind` made must outlive it. Exceptions come through.
 std::int64_t heap_bytes_of(const std::function<void()>& bind);
 
+/// The most memory this process has held so far, bytes (resident set).
+std::int64_t peak_bytes();
+
 /// Bytes of memory this process may still take without swapping, as the system estimates.
 std::int64_t available_bytes();
 
