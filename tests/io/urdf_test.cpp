@@ -137,15 +137,14 @@ TEST(Urdf, numbers_do_not_depend_on_the_locale) {
   EXPECT_EQ(t.model.spec().gravity, Eigen::Vector3d(0.5, 1.25, -3e-2));
 }
 
-TEST(Urdf, a_chain_of_many_links_neither_overflows_the_stack_nor_takes_long) {
-  constexpr int n = 50000;
+TEST(Urdf, a_chain_of_many_links_does_not_overflow_the_stack) {
+  constexpr int n = 300000;  // urdfdom's own destructor overflows at this length
   std::string text = "<robot name='long'><link name='l000000'/>";
   for (int i = 1; i <= n; ++i)
     text += fmt::format(
-        "<link name='l{0:06}'>{2}</link><joint name='j{0}' type='continuous'><parent link='l{1:06}'/>"
-        "<child link='l{0:06}'/></joint>",
-        i, i - 1, inertial);
-  EXPECT_EQ(load_urdf_text(text + "</robot>", "long").model.nv(), n);
+        "<link name='l{0:06}'/><joint name='{0}' type='fixed'><parent link='l{1:06}'/><child link='l{0:06}'/></joint>",
+        i, i - 1);
+  EXPECT_EQ(load_urdf_text(text + "</robot>", "long").model.bodies(), n);
 }
 
 std::string published(const std::string& file) {
