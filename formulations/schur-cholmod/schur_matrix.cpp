@@ -135,7 +135,7 @@ template <class S>
 void SchurMatrix<S>::joint_bases(const System<S>& system, int i) {
   const Link& link = model_.link(i);
   const Joint& joint = joints_[i];
-  Wrench<S>* w = &w_[joint.first];
+  Wrench<S>* w = w_.data() + joint.first;
   const S o(0.0);
   const auto kind = [&](int k) { return model_.column_kind(link.v + k); };
   bool screws = false;
