@@ -204,10 +204,12 @@ Norms difference(const Model& model, const Solution<A>& a, const Solution<B>& b)
     raise(result.vdot, std::abs(static_cast<double>(wide(a.vdot[k]) - wide(b.vdot[k]))) *
                            unit_of_acceleration(model, model.column_kind(k)));
   for (int i = 0; i < model.bodies(); ++i) {
-    const auto &x = a.acceleration[i], &y = b.acceleration[i];
+    const auto& x = a.acceleration[i];
+    const auto& y = b.acceleration[i];
     raise(result.acceleration, largest(wide(x.angular) - wide(y.angular)) * L);
     raise(result.acceleration, largest(wide(x.linear) - wide(y.linear)));
-    const auto &f = a.wrench[i], &g = b.wrench[i];
+    const auto& f = a.wrench[i];
+    const auto& g = b.wrench[i];
     raise(result.wrench, largest(wide(f.moment) - wide(g.moment)) / L);
     raise(result.wrench, largest(wide(f.force) - wide(g.force)));
   }
