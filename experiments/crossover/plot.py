@@ -175,13 +175,19 @@ def phases(data, styles, path):
     size = max((n for n in common if n <= 32), default=max(common))
     fig, axes = plt.subplots(figsize=(6.6, 0.42 * len(names) + 1.7))
     hatches, greys = ["", "///", "...", "xxx"], ["0.35", "0.8", "0.6", "0.95"]
+    micro = {n: [max(0.0, 1e6 * statistics.median(curves[n].get((phase, "time"), {}).get(size, [0.0])))
+                 for phase in PHASES] for n in names}
     left = [0.0] * len(names)
-    for phase, hatch, grey in zip(PHASES, hatches, greys):
-        widths = [max(0.0, 1e6 * statistics.median(curves[n].get((phase, "time"), {}).get(size, [0.0]))) for n in names]
+    for index, (phase, hatch, grey) in enumerate(zip(PHASES, hatches, greys)):
+        widths = [100 * micro[n][index] / (sum(micro[n]) or 1.0) for n in names]
         axes.barh(names, widths, left=left, label=phase, color=grey, hatch=hatch, edgecolor="black", linewidth=0.5)
         left = [a + b for a, b in zip(left, widths)]
+    for row, name in enumerate(names):
+        total = 1e6 * statistics.median(curves[name][("total", "time")][size])
+        axes.annotate(f"{total:.3g} µs", (101, row), va="center", fontsize=8, annotation_clip=False)
     axes.invert_yaxis()
-    axes.set_xlabel(f"time of one solution, µs (n = {size}; median)")
+    axes.set_xlim(0, 100)
+    axes.set_xlabel(f"share of the time of one solution, % (n = {size}, medians; right: total)")
     axes.legend(frameon=False, fontsize=8, ncol=4, loc="lower center", bbox_to_anchor=(0.45, 1.0))
     axes.spines[["top", "right"]].set_visible(False)
     fig.tight_layout()
