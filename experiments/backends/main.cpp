@@ -68,6 +68,22 @@ std::vector<Measurement> properties(PhaseTimer& timer, const Reference& referenc
   return rows;
 }
 
+constexpr double longest_solution = 10;  // s
+
+/// Shape of a model: "chain" of "chain:100".
+std::string shape_of(const std::string& model) { return model.substr(0, model.find(':')); }
+
+/// Seconds one solution may take if the order fills up: cubic growth from the largest smaller model of the same shape.
+double worst_case(const std::vector<Row>& rows, const Cell& cell) {
+  double seconds = 0;
+  for (const auto& [c, m] : rows)
+    if (m.phase == "total" && m.metric == "time" && std::isfinite(m.value) && c.bodies < cell.bodies &&
+        c.formulation == cell.formulation && c.parameters == cell.parameters &&
+        shape_of(c.model) == shape_of(cell.model))
+      seconds = m.value * std::pow(static_cast<double>(cell.bodies) / c.bodies, 3);
+  return seconds;
+}
+
 void measure(Experiment& experiment, const std::string& name, const std::vector<Choice>& list) {
   const Mechanism mechanism = experiment.load(name);
   const Model& model = mechanism.model;
@@ -82,6 +98,12 @@ void measure(Experiment& experiment, const std::string& name, const std::vector<
       if (!report.has(cell))
         report.write(
             cell, std::vector<Measurement>{{"total", "time", std::numeric_limits<double>::quiet_NaN(), "s", status}});
+      continue;
+    }
+    if (const double seconds = worst_case(report.rows(), cell); seconds > longest_solution) {
+      const std::string status(to_string(Status::objection));
+      if (!report.has(cell))
+        report.write(cell, std::vector<Measurement>{{"total", "time_forecast", seconds, "s", status}});
       continue;
     }
     auto timer = std::make_unique<PhaseTimer>(choice.create, model, mechanism.state);
