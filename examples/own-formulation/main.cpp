@@ -48,7 +48,7 @@ const lanc::Registration registration({.name = "eigen-lu",
 
 int main(int argc, char** argv) try {
   const lanc::Mechanism mechanism = lanc::load_mechanism(argc > 1 ? argv[1] : "chain:10:joint=spherical");
-  lanc::PhaseTimer reference(*lanc::find_formulation("recursive"), mechanism.model, mechanism.state);
+  lanc::PhaseTimer reference(lanc::find_formulation("recursive")->create_double, mechanism.model, mechanism.state);
   std::printf("%-16s %-12s %15s %12s %9s %8s\n", "formulation", "status", "backward error", "difference", "flops",
               "us");
   for (const lanc::FormulationInfo& info : lanc::formulations()) {
@@ -56,7 +56,7 @@ int main(int argc, char** argv) try {
       std::printf("%-16s %s\n", info.name.data(), why->c_str());
       continue;
     }
-    lanc::PhaseTimer own(info, mechanism.model, mechanism.state);
+    lanc::PhaseTimer own(info.create_double, mechanism.model, mechanism.state);
     double difference = 0;
     for (int k = 0; k < mechanism.model.nv(); ++k)
       difference = std::max(difference, std::abs(own.solution().vdot[k] - reference.solution().vdot[k]));

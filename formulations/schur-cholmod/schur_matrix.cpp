@@ -141,13 +141,19 @@ void SchurMatrix<S>::joint_bases(const System<S>& system, int i) {
   bool screws = false;
   for (int k = 0; k < link.nv; ++k) screws = screws || kind(k) == ColumnKind::screw;
   if (screws) {
+    // Lengths measured in the model's: a basis that mixes moments and forces then does not depend on the unit of
+    // length.
+    const S per_length(std::exp2(-std::rint(std::log2(model_.length()))));
     std::array<std::array<S, 6>, 6> C{};
     for (int k = 0; k < link.nv; ++k) {
       const Motion<S>& a = system.columns[link.v + k];
-      C[k] = {a.angular.x, a.angular.y, a.angular.z, a.linear.x, a.linear.y, a.linear.z};
+      const Vec3<S> linear = a.linear * per_length;
+      C[k] = {a.angular.x, a.angular.y, a.angular.z, linear.x, linear.y, linear.z};
     }
     const DualBasis<S, 6> basis(C, link.nv);
-    const auto wrench = [](const std::array<S, 6>& x) { return Wrench<S>{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; };
+    const auto wrench = [&](const std::array<S, 6>& x) {
+      return Wrench<S>{{x[0], x[1], x[2]}, Vec3<S>{x[3], x[4], x[5]} * per_length};
+    };
     for (int k = 0; k < 6 - link.nv; ++k) *w++ = wrench(basis.K[k]);
     for (int k = 0; k < link.nv; ++k) p_[link.v + k] = wrench(basis.P[k]);
   } else {

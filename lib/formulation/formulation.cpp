@@ -61,8 +61,42 @@ bool roots_finite(const System<S>& system) {
   return true;
 }
 
-/// A correction this large relative to the answer means that no digit of it can be trusted.
-constexpr double largest_correction = 1e-3;
+/// The largest entry of each kind of quantity in a solution; the kinds differ in unit.
+struct Sizes {
+  double vdot = 0, angular = 0, linear = 0, moment = 0, force = 0;
+
+  template <class S>
+  explicit Sizes(const Solution<S>& solution) {
+    const auto grow = [](double& largest, const S& x) {
+      const double size = std::abs(to_double(x));
+      if (!(size <= largest)) largest = size;  // a NaN enters and stays
+    };
+    const auto grow3 = [&](double& largest, const Vec3<S>& a) {
+      grow(largest, a.x), grow(largest, a.y), grow(largest, a.z);
+    };
+    for (const S& x : solution.vdot) grow(vdot, x);
+    for (const Motion<S>& a : solution.acceleration) grow3(angular, a.angular), grow3(linear, a.linear);
+    for (const Wrench<S>& f : solution.wrench) grow3(moment, f.moment), grow3(force, f.force);
+  }
+};
+
+/// Largest relative size over the kinds; infinite when one has a correction and no value, or is not a number.
+template <class S>
+double relative_size(const Solution<S>& correction, const Solution<S>& solution) {
+  const Sizes change(correction), size(solution);
+  const auto ratio = [](double c, double s) {
+    const double r = c == 0 ? 0 : c / s;
+    return std::isnan(r) ? std::numeric_limits<double>::infinity() : r;
+  };
+  return std::max({ratio(change.vdot, size.vdot), ratio(change.angular, size.angular),
+                   ratio(change.linear, size.linear), ratio(change.moment, size.moment),
+                   ratio(change.force, size.force)});
+}
+
+/// Refinement must bring its correction below √ε of the answer within a few steps: then the answer has half of its
+/// digits at least. Where it stagnates above, the size of the correction is the error that remains.
+constexpr double largest_correction = 1e-8;
+constexpr int most_refinements = 3;
 
 }  // namespace
 
@@ -78,7 +112,9 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution) {
                  "the answer is not finite: a pivot vanished, so the mass matrix is singular at this state"};
   }
   if (outcome.usable() && model_.has_singular_inertia()) {
-    outcome.forward_error = refine(system, solution);
+    int steps = 0;
+    do outcome.forward_error = refine(system, solution);
+    while (!(outcome.forward_error < largest_correction) && ++steps < most_refinements);
     if (!(outcome.forward_error < largest_correction))
       outcome = {
           Status::singular,
@@ -99,19 +135,14 @@ double Formulation<S>::refine(const System<S>& system, Solution<S>& solution) {
   Solution<S>& correction = refinement_->correction;
   residual(system, system.rhs, solution, refinement_->residual);
   substitute(system, refinement_->residual, correction);
-  double change = 0, size = 0;
-  for (int k = 0; k < model_.nv(); ++k) {
-    change = std::max(change, std::abs(to_double(correction.vdot[k])));
-    size = std::max(size, std::abs(to_double(solution.vdot[k])));
-    if (std::isnan(to_double(correction.vdot[k]))) change = std::numeric_limits<double>::infinity();
-    solution.vdot[k] += correction.vdot[k];
-  }
+  const double change = relative_size(correction, solution);
+  for (int k = 0; k < model_.nv(); ++k) solution.vdot[k] += correction.vdot[k];
   for (int i = 0; i < model_.bodies(); ++i) {
     solution.acceleration[i] += correction.acceleration[i];
     solution.wrench[i] += correction.wrench[i];
   }
   drive_forces(system, solution);
-  return size > 0 ? change / size : change > 0 ? std::numeric_limits<double>::infinity() : 0.0;
+  return change;
 }
 
 template class Formulation<double>;

@@ -49,11 +49,13 @@ class Formulation {
   /// All phases, the drive forces, and the judgement of the answer:
   ///   not_finite  the coefficients themselves are not finite
   ///   singular    the answer is not finite, or (models with singular body inertia) refinement does not converge
-  /// For models with has_singular_inertia() one refinement step is applied and its size returned as forward_error.
+  /// For models with has_singular_inertia() up to three refinement steps are applied, until one changes the answer by
+  /// less than 1e-8 of itself; the size of the last is returned as forward_error.
   Outcome solve(const System<S>& system, Solution<S>& solution);
 
   /// One step of iterative refinement with the residual of eq. 14, using the present factors. Returns the size of the
-  /// correction of η̇ relative to η̇. Restores the accuracy long chains lose; never changes a right answer.
+  /// correction relative to the answer: of η̇, ω̇, v̇, moments and forces the largest ratio of the maxima. Restores the
+  /// accuracy long chains lose; never changes a right answer.
   double refine(const System<S>& system, Solution<S>& solution);
 
   /// Fill-in, memory and flops where a library does the work; nothing where this project does. May take O(factors).

@@ -218,21 +218,20 @@ class ModelBuilder {
     if (count > 0) data_->length = sum / count;
   }
 
-  /// A body is safe when its smallest principal inertia is not lost against what it carries: 1e-8 of it, so that a
-  /// pivot N of eq. 18 keeps half of its digits. Everything else is checked at run time (has_singular_inertia).
+  /// A body is safe when its smallest principal inertia is not lost against the largest of the mechanism: 1e-8 of it,
+  /// so that whoever mixes both keeps half of the digits. Everything else is checked at run time
+  /// (has_singular_inertia).
   void find_singular_inertia() {
-    const int n = static_cast<int>(data_->links.size());
-    std::vector<double> carried(n, 0.0);
-    for (int i = n - 1; i >= 0; --i) {
-      const Link& link = data_->links[i];
+    double largest = 0;
+    for (const Link& link : data_->links) {
       const Sym3<double>& J = link.inertia.J;
-      carried[i] = std::max(carried[i], J.xx + J.yy + J.zz);
+      largest = std::max(largest, J.xx + J.yy + J.zz + link.inertia.mass * dot(link.o, link.o));
+    }
+    for (int i = 0; i < static_cast<int>(data_->links.size()); ++i) {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
       solver.computeDirect(data_->spec.bodies[i].inertia, Eigen::EigenvaluesOnly);
-      const double smallest = solver.eigenvalues()[0];
-      if (!(link.inertia.mass > 0 && smallest > 1e-8 * carried[i])) data_->singular_inertia_body = i;
-      if (link.parent != ground)
-        carried[link.parent] = std::max(carried[link.parent], carried[i] + link.inertia.mass * dot(link.o, link.o));
+      if (!(data_->links[i].inertia.mass > 0 && solver.eigenvalues()[0] > 1e-8 * largest))
+        data_->singular_inertia_body = i;
     }
   }
 

@@ -49,7 +49,7 @@ struct JointStep {
 
 /// Rotation of the frame F about its z axis.
 template <class S>
-inline Mat3<S> turned_about_z(const Mat3<S>& F, const S& angle) {
+[[gnu::always_inline]] inline Mat3<S> turned_about_z(const Mat3<S>& F, const S& angle) {
   const S c = cos(angle), s = sin(angle);
   return {F.x * c + F.y * s, F.y * c - F.x * s, F.z};
 }
