@@ -19,7 +19,8 @@ constexpr std::string_view to_string(Status status) {
 struct [[nodiscard]] Outcome {
   Status status = Status::solved;
   std::string message;  // why, and what to do; empty when solved
-  /// Estimate of the relative error of the answer from the last refinement step; NaN where it was not made (Formulation::solve).
+  /// Estimate of the relative error of the answer from the last refinement step; NaN where it was not made
+  /// (Formulation::solve).
   double forward_error = std::numeric_limits<double>::quiet_NaN();
 
   bool usable() const { return status == Status::solved || status == Status::redundant; }

@@ -108,7 +108,12 @@ TEST(Timing, repeats_a_short_call_until_it_is_long_enough) {
   volatile double sum = 0;
   long calls = 0;
   Repeat repeat;
-  const double seconds = repeat.seconds([&] { ++calls; sum = sum + 1; }, 1e-3);
+  const double seconds = repeat.seconds(
+      [&] {
+        ++calls;
+        sum = sum + 1;
+      },
+      1e-3);
   EXPECT_GT(calls, 1000);
   EXPECT_LT(seconds, 1e-6);
   EXPECT_GT(seconds, 0);
