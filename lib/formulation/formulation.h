@@ -47,15 +47,16 @@ class Formulation {
   virtual void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) = 0;
 
   /// All phases, the drive forces, and the judgement of the answer:
-  ///   not_finite  the coefficients themselves are not finite
-  ///   singular    the answer is not finite, or (models with singular body inertia) refinement does not converge
-  /// For models with has_singular_inertia() up to three refinement steps are applied, until one changes the answer by
-  /// less than 1e-8 of itself; the size of the last is returned as forward_error.
+  ///   not_finite  the coefficients themselves are not finite, or overflow
+  ///   singular    the answer is not finite, or does not stand the following test
+  /// Where a body's inertia is far below the largest (Model::has_singular_inertia), or eq. 12 is violated by more than
+  /// rounding explains, up to three refinement steps must bring the correction below 1e-8 of the answer, and a known
+  /// answer must come back. The size of the last correction is returned as forward_error.
   Outcome solve(const System<S>& system, Solution<S>& solution);
 
   /// One step of iterative refinement with the residual of eq. 14, using the present factors. Returns the size of the
-  /// correction relative to the answer: of η̇, ω̇, v̇, moments and forces the largest ratio of the maxima. Restores the
-  /// accuracy long chains lose; never changes a right answer.
+  /// correction relative to the answer, of accelerations or wrenches the larger. Restores the accuracy long chains
+  /// lose; never changes a right answer.
   double refine(const System<S>& system, Solution<S>& solution);
 
   /// Fill-in, memory and flops where a library does the work; nothing where this project does. May take O(factors).
@@ -66,6 +67,10 @@ class Formulation {
 
  private:
   struct Refinement;
+  Outcome verified(const System<S>& system, Solution<S>& solution);
+  /// Relative error with which the present factors bring back an answer that is known.
+  double probe_error(const System<S>& system);
+
   Model model_;
   std::unique_ptr<Refinement> refinement_;  // at once for models that need it in solve(), else at the first refine()
 };

@@ -218,9 +218,9 @@ class ModelBuilder {
     if (count > 0) data_->length = sum / count;
   }
 
-  /// A body is safe when its smallest principal inertia is not lost against the largest of the mechanism: 1e-8 of it,
-  /// so that whoever mixes both keeps half of the digits. Everything else is checked at run time
-  /// (has_singular_inertia).
+  /// A body is safe when its smallest principal inertia is not lost against the largest of the mechanism: 1e-7 of it,
+  /// so that whoever mixes both keeps half of the digits, and a tenth to spare for errors that grow along a chain.
+  /// Everything else is checked at run time (has_singular_inertia).
   void find_singular_inertia() {
     double largest = 0;
     for (const Link& link : data_->links) {
@@ -230,7 +230,7 @@ class ModelBuilder {
     for (int i = 0; i < static_cast<int>(data_->links.size()); ++i) {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
       solver.computeDirect(data_->spec.bodies[i].inertia, Eigen::EigenvaluesOnly);
-      if (!(data_->links[i].inertia.mass > 0 && solver.eigenvalues()[0] > 1e-8 * largest))
+      if (!(data_->links[i].inertia.mass > 0 && solver.eigenvalues()[0] > 1e-7 * largest))
         data_->singular_inertia_body = i;
     }
   }

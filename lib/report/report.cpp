@@ -105,7 +105,11 @@ std::string contents(const std::string& name) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string sidecar_name(const std::string& csv) { return std::filesystem::path(csv).replace_extension(".json"); }
+std::string sidecar_name(const std::string& csv) {
+  std::string name = std::filesystem::path(csv).replace_extension(".json");
+  if (name == csv) throw InputError(fmt::format("{} is the name of the JSON sidecar; call the CSV otherwise", csv));
+  return name;
+}
 
 /// Throws unless the two sidecars agree in what decides the numbers.
 void require_same(const std::string& file, const nlohmann::json& before, const nlohmann::json& now) {

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -163,6 +164,11 @@ struct StateProgram::State {
   }
 
   void write(const std::string& text) const {
+    for (const std::string& input : {model, state_file}) {
+      std::error_code none;  // a generator, or a file that is not there yet, is no input to lose
+      if (!out.empty() && std::filesystem::equivalent(out, input, none))
+        throw InputError(Place{out}, "this is an input; choose another --out");
+    }
     std::FILE* file = out.empty() || out == "-" ? stdout : std::fopen(out.c_str(), "w");
     if (file == nullptr) throw InputError(Place{out}, "this file cannot be written");
     const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();

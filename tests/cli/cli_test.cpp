@@ -274,6 +274,14 @@ TEST(Solve, OutWritesToAFile) {
   EXPECT_EQ(Json::parse(text_of(file))["status"], "solved");
 }
 
+TEST(Solve, DoesNotWriteOverItsInputs) {
+  const std::string model = write("kept.toml", text_of(fs::path(LANC_SOURCE_DIR) / "data/models/joint-revolute.toml"));
+  const Finished run_over = run("solve", {model, "--out", model});
+  EXPECT_EQ(run_over.exit_code, 2);
+  EXPECT_NE(run_over.error.find("choose another --out"), std::string::npos) << run_over.error;
+  EXPECT_EQ(text_of(model), text_of(fs::path(LANC_SOURCE_DIR) / "data/models/joint-revolute.toml"));
+}
+
 TEST(Inverse, ReturnsTheForcesThatSolveWasGiven) {
   const Json forward = run("solve", {"random:6:seed=21", "--format", "json", "--formulation", "dense"}).json();
   std::ostringstream vdot;
