@@ -40,7 +40,7 @@ class Arguments {
       rest.remove_prefix(colon + 1);
     }
     if (parts.size() < 2) fail(argument, fmt::format("the number of bodies is missing; use {}", usage_));
-    const auto n = whole<long long>(parts[1]);
+    const auto n = whole<long long>(parts[1], true);
     if (!n) fail(argument, fmt::format("'{}' is not a number of bodies; use {}", parts[1], usage_));
     if (*n < 1 || *n > most_bodies)
       fail(argument, fmt::format("{} bodies; give a number from 1 to {}", parts[1], most_bodies));
@@ -126,11 +126,12 @@ class Arguments {
   }
 
  private:
+  /// A whole number; one too large for the type is its largest value where the caller has a bound of its own.
   template <class Integer>
-  static std::optional<Integer> whole(std::string_view text) {
+  static std::optional<Integer> whole(std::string_view text, bool bounded = false) {
     Integer value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error == std::errc::result_out_of_range && !text.empty() && text[0] != '-')
+    if (bounded && error == std::errc::result_out_of_range && text[0] != '-')
       return std::numeric_limits<Integer>::max();
     if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
     return value;

@@ -224,6 +224,7 @@ TEST(Generators, BadArgumentsSayWhatToMend) {
       {"chain:3:joint=ball", "there is no joint 'ball'; choose from fixed, revolute"},
       {"chain:3:joint=", "there is no joint ''"},
       {"chain:3:seed=-1", "seed '-1' is not a whole number"},
+      {"chain:3:seed=99999999999999999999999", "seed '99999999999999999999999' is not a whole number"},
       {"chain:3:seed=1:seed=2", "option 'seed' is given twice"},
       {"chain:3:colour=red", "there is no option 'colour'; use chain:N"},
       {"chain:3:branching=2", "there is no option 'branching'"},
