@@ -51,7 +51,8 @@ class Formulation {
   ///   singular    the answer is not finite, or does not stand the following test
   /// Where a body's inertia is far below the largest (Model::has_singular_inertia), or eq. 12 is violated by more than
   /// rounding explains, up to three refinement steps must bring the correction below 1e-8 of the answer, and a known
-  /// answer must come back. The size of the last correction is returned as forward_error.
+  /// answer must come back. The size of the last correction is returned as forward_error. Allocates only where it finds
+  /// eq. 12 violated in a model that gave no reason to expect it.
   Outcome solve(const System<S>& system, Solution<S>& solution);
 
   /// One step of iterative refinement with the residual of eq. 14, using the present factors. Returns the size of the

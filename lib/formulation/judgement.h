@@ -48,6 +48,11 @@ FirstLook first_look(const System<S>& system, const Solution<S>& solution) {
     if (!finite(a.angular) || !finite(a.linear) || !finite(f.moment) || !finite(f.force)) return FirstLook::not_finite;
     // The place of a body on the ground enters no equation: the answer may be finite where the state is not.
     if (link.parent == ground && !finite(system.bodies[i].r)) return FirstLook::not_finite;
+    // Rounding errors of f̂ are relative to what it is made of: a free body's is zero, its load is not.
+    const Wrench<S>& load = system.rhs.force[i];
+    double noise = 0;
+    for (const Vec3<S>& part : {f.moment, f.force, load.moment, load.force})
+      noise = std::max({noise, std::abs(to_double(part.x)), std::abs(to_double(part.y)), std::abs(to_double(part.z))});
     for (int k = link.v; k < link.v + link.nv; ++k) {
       const Motion<S>& C = system.columns[k];
       const double parts[] = {
@@ -57,10 +62,8 @@ FirstLook first_look(const System<S>& system, const Solution<S>& solution) {
       const double vdot = to_double(solution.vdot[k]), tau = to_double(system.rhs.tau[k]);
       if (!std::isfinite(vdot)) return FirstLook::not_finite;
       const double inertial = model.armature()[k] * vdot;
-      double sum = inertial - tau, size = std::abs(inertial) + std::abs(tau), noise = 0;
+      double sum = inertial - tau, size = std::abs(inertial) + std::abs(tau);
       for (const double part : parts) sum += part, size += std::abs(part);
-      for (const S& x : {f.moment.x, f.moment.y, f.moment.z, f.force.x, f.force.y, f.force.z})
-        noise = std::max(noise, std::abs(to_double(x)));
       if (!(std::abs(sum) <= 1e-9 * size + 1e-12 * noise)) result = FirstLook::suspicious;
     }
   }
