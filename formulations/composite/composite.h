@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lib/formulation/formulation.h"
+#include "lib/formulation/tree_formulation.h"
 #include "lib/model/paths.h"
 #include "lib/system/equations.h"
 
@@ -9,10 +9,10 @@ namespace lanc {
 /// M̄ by the composite-rigid-body recursion, factored M̄ = LᵀL along the tree, without fill. O(n d²) for depth d.
 /// Nothing here compares scalars, so packs and dual numbers can run it.
 template <class S>
-class Composite final : public Formulation<S> {
+class Composite final : public TreeFormulation<S> {
  public:
   explicit Composite(const Model& model)
-      : Formulation<S>(model),
+      : TreeFormulation<S>(model),
         paths_(model),
         composite_(model.bodies()),
         load_(model.bodies()),
@@ -24,10 +24,11 @@ class Composite final : public Formulation<S> {
   }
 
   void assemble(const System<S>& system) override;
-  Outcome factorise(const System<S>& system) override;
-  void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override;
 
  private:
+  Outcome factorise_tree(const System<S>& system) override;
+  void substitute_tree(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override;
+
   /// Row k of M̄, then of L: one entry for every coordinate on the path of k, root first, k last.
   S* row(int k) { return H_.data() + start_[k]; }
   const S* row(int k) const { return H_.data() + start_[k]; }
@@ -64,7 +65,7 @@ void Composite<S>::assemble(const System<S>& system) {
 
 /// LᵀL from the leaves to the root: eliminating coordinate k touches only rows of coordinates on its path.
 template <class S>
-Outcome Composite<S>::factorise(const System<S>&) {
+Outcome Composite<S>::factorise_tree(const System<S>&) {
   for (int k = this->model().nv() - 1; k >= 0; --k) {
     S* L = row(k);
     const int depth = paths_.depth(k);
@@ -80,7 +81,7 @@ Outcome Composite<S>::factorise(const System<S>&) {
 }
 
 template <class S>
-void Composite<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
+void Composite<S>::substitute_tree(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   const Model& model = this->model();
   std::vector<S>& x = solution.vdot;
   // Jᵀ (f̂^tc − M ā) + τ, leaf to root

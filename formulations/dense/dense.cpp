@@ -1,22 +1,31 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "lib/formulation/formulation.h"
 #include "lib/model/paths.h"
 #include "lib/scalar/count_eigen.h"
+#include "lib/system/closure_jacobian.h"
 #include "lib/system/equations.h"
 
 namespace lanc {
 namespace {
 
 /// The lecture's non-recursive way: J formed (11), M̄ = JᵀMJ block by block, dense Cholesky. O(n d²) to form M̄ at depth
-/// d, O(n_η³) to factor it.
+/// d, O(n_η³) to factor it. Where loops are closed, LU of [M̄ Gᵀ; G 0] with the independent rows of G: it divides by no
+/// M̄, so a tree without inertia may be held by its loops.
 template <class S>
 class Dense final : public Formulation<S> {
  public:
   explicit Dense(const Model& model)
-      : Formulation<S>(model), paths_(model), mass_matrix_(model.nv(), model.nv()), b_(model.nv()) {
+      : Formulation<S>(model),
+        paths_(model),
+        closures_(model.closures().rows()),
+        mass_matrix_(model.nv(), model.nv()),
+        b_(model.nv() + closures_),
+        jacobian_(model),
+        kkt_(closures_ > 0 ? model.nv() + closures_ : 0) {
     start_.reserve(model.bodies() + 1);
     start_.push_back(0);
     for (int i = 0; i < model.bodies(); ++i) start_.push_back(start_.back() + paths_.body_depth(i));
@@ -36,14 +45,21 @@ class Dense final : public Formulation<S> {
 
   void form_jacobian(const System<S>& system);
   void form_mass_matrix(const System<S>& system);
+  void form_kkt(const System<S>& system);
+  void solve_kkt(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
   /// The non-zero columns of J_i: one for every coordinate on the path of body i, root first.
   Motion<S>* jacobian(int body) { return J_.data() + start_[body]; }
 
   VelocityPaths paths_;
+  int closures_;
   std::vector<std::size_t> start_;
   std::vector<Motion<S>> J_;
   Matrix mass_matrix_;  // lower triangle: M̄, then its Cholesky factor
   Vector b_;
+  ClosureJacobian<S> jacobian_;
+  Matrix bordered_;  // [M̄ Gᵀ; G 0], equilibrated
+  Vector scale_;
+  Eigen::PartialPivLU<Matrix> kkt_;
 };
 
 /// J = B⁻¹ C by forward substitution: the columns of the parent moved outward, and the joint's own.
@@ -81,12 +97,54 @@ void Dense<S>::form_mass_matrix(const System<S>& system) {
     for (int k = 0; k < model.nv(); ++k) mass_matrix_(k, k) += S(model.armature()[k]);
 }
 
+/// [M̄ Gᵀ; G 0], dependent rows replaced by λ = 0. Rows and columns are scaled by 1/√M̄_kk and rows of G to unit length.
 template <class S>
-Outcome Dense<S>::factorise(const System<S>&) {
+void Dense<S>::form_kkt(const System<S>& system) {
+  const int nv = this->model().nv();
+  bordered_.setConstant(nv + closures_, nv + closures_, S(0.0));
+  scale_.setConstant(nv + closures_, S(1.0));
+  bordered_.topLeftCorner(nv, nv) = mass_matrix_.template selfadjointView<Eigen::Lower>();
+  for (int k = 0; k < nv; ++k)
+    if (const double m = to_double(mass_matrix_(k, k)); m > 0) scale_[k] = S(1.0) / sqrt(mass_matrix_(k, k));
+  jacobian_.evaluate(system);
+  for (int k = 0; k < closures_; ++k) {
+    if (!this->closures().independent[k]) {
+      bordered_(nv + k, nv + k) = S(1.0);
+      continue;
+    }
+    S square(0.0);
+    for (int p = jacobian_.starts()[k]; p < jacobian_.starts()[k + 1]; ++p) {
+      const S entry = jacobian_.values()[p];
+      bordered_(nv + k, jacobian_.columns()[p]) = bordered_(jacobian_.columns()[p], nv + k) = entry;
+      square += entry * scale_[jacobian_.columns()[p]] * entry * scale_[jacobian_.columns()[p]];
+    }
+    scale_[nv + k] = S(1.0) / sqrt(square);
+  }
+  bordered_ = scale_.asDiagonal() * bordered_ * scale_.asDiagonal();
+}
+
+template <class S>
+Outcome Dense<S>::factorise(const System<S>& system) {
+  if (closures_ > 0) {
+    form_kkt(system);
+    kkt_.compute(bordered_);
+    return {};
+  }
   const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(mass_matrix_);  // in place
   if (cholesky.info() != Eigen::Success)
     return {Status::singular, "Cholesky: M̄ is not positive definite, so some freedom has no inertia at this state"};
   return {};
+}
+
+template <class S>
+void Dense<S>::solve_kkt(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
+  const int nv = this->model().nv();
+  std::fill(solution.vdot.begin(), solution.vdot.end(), S(0.0));
+  closure_accelerations(system, rhs, solution, solution.lambda);  // γ̿ in joint coordinates: â is that at η̇ = 0
+  for (int k = 0; k < closures_; ++k) b_[nv + k] = this->closures().independent[k] ? -solution.lambda[k] : S(0.0);
+  const Vector x = scale_.asDiagonal() * kkt_.solve(scale_.asDiagonal() * b_);
+  for (int k = 0; k < nv; ++k) solution.vdot[k] = x[k];
+  for (int k = 0; k < closures_; ++k) solution.lambda[k] = -x[nv + k];  // M̄ η̇ − Gᵀ λ = b
 }
 
 template <class S>
@@ -100,9 +158,13 @@ void Dense<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, 
     int k = paths_.last(i);
     for (int d = paths_.body_depth(i) - 1; d >= 0; --d, k = paths_.before(k)) b_[k] += dot(J[d], load);
   }
-  mass_matrix_.template triangularView<Eigen::Lower>().solveInPlace(b_);
-  mass_matrix_.transpose().template triangularView<Eigen::Upper>().solveInPlace(b_);
-  for (int k = 0; k < model.nv(); ++k) solution.vdot[k] = b_[k];
+  if (closures_ > 0) {
+    solve_kkt(system, rhs, solution);
+  } else {
+    mass_matrix_.template triangularView<Eigen::Lower>().solveInPlace(b_);
+    mass_matrix_.transpose().template triangularView<Eigen::Upper>().solveInPlace(b_);
+    for (int k = 0; k < model.nv(); ++k) solution.vdot[k] = b_[k];
+  }
   accelerations(system, rhs, solution);
   wrenches(system, rhs, solution);
 }

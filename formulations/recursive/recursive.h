@@ -1,23 +1,24 @@
 #pragma once
 
-#include "lib/formulation/formulation.h"
+#include "lib/formulation/tree_formulation.h"
 
 namespace lanc {
 
 /// Eq. 18 and the lecture's four steps, joint freedoms released column by column. O(n).
 /// Nothing here compares scalars, so packs and dual numbers can run it.
 template <class S>
-class Recursive final : public Formulation<S> {
+class Recursive final : public TreeFormulation<S> {
  public:
   explicit Recursive(const Model& model);
   void assemble(const System<S>&) override {}
-  Outcome factorise(const System<S>& system) override;
-  void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override;
 
   /// M*_i: what body i and all it carries weigh at its reference point. Valid after factorise().
   const ArticulatedInertia<S>& articulated_inertia(int body) const { return star_[body]; }
 
  private:
+  Outcome factorise_tree(const System<S>& system) override;
+  void substitute_tree(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override;
+
   struct Freedom {
     Wrench<S> D;  // M* C / N
     S inverse;    // 1 / N, N = Cᵀ M* C + A
@@ -30,12 +31,12 @@ class Recursive final : public Formulation<S> {
 
 template <class S>
 Recursive<S>::Recursive(const Model& model)
-    : Formulation<S>(model), star_(model.bodies()), load_(model.bodies()), freedoms_(model.nv()) {}
+    : TreeFormulation<S>(model), star_(model.bodies()), load_(model.bodies()), freedoms_(model.nv()) {}
 
 /// Step 2, inertia: leaf to root, eq. 18. On entry star_[i] holds what the children of i handed down (if there are
 /// any).
 template <class S>
-Outcome Recursive<S>::factorise(const System<S>& system) {
+Outcome Recursive<S>::factorise_tree(const System<S>& system) {
   const Model& model = this->model();
   for (int i = model.bodies() - 1; i >= 0; --i) {
     const Link& link = model.link(i);
@@ -66,7 +67,7 @@ Outcome Recursive<S>::factorise(const System<S>& system) {
 }
 
 template <class S>
-void Recursive<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
+void Recursive<S>::substitute_tree(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   const Model& model = this->model();
   // Step 2, load: leaf to root.
   for (int i = model.bodies() - 1; i >= 0; --i) {

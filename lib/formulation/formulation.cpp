@@ -19,7 +19,8 @@ struct Formulation<S>::Refinement {
 
 template <class S>
 Formulation<S>::Formulation(const Model& model) : model_(model) {
-  if (model.has_singular_inertia()) refinement_ = std::make_unique<Refinement>(model);
+  if (model.has_closures()) rank_ = std::make_unique<ClosureRank<S>>(model), consistent_ = RightHandSide<S>(model);
+  if (model.has_singular_inertia() || model.has_closures()) refinement_ = std::make_unique<Refinement>(model);
 }
 
 template <class S>
@@ -37,12 +38,23 @@ constexpr double largest_probe_error = 1e-3;
 }  // namespace
 
 template <class S>
-Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution) {
+void Formulation<S>::decide(const System<S>& system, RankPolicy policy) {
+  if (rank_) rank_->decide(system, policy);
+}
+
+template <class S>
+Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, RankPolicy policy) {
   using judgement::FirstLook;
+  constexpr const char* not_finite =
+      "the coefficients of eq. 14 are not finite, or overflow; look at the state, the loads and the motions";
+  if (rank_ && !judgement::finite(system)) return {Status::not_finite, not_finite};
+  decide(system, policy);
   assemble(system);
   Outcome outcome = factorise(system);
   if (outcome.usable()) {
-    substitute(system, system.rhs, solution);
+    const RightHandSide<S>& rhs = consistent(system);
+    substitute(system, rhs, solution);
+    settle_reactions(system, rhs, solution);
     drive_forces(system, solution);
     const FirstLook look = judgement::first_look(system, solution);
     if (look == FirstLook::not_finite)
@@ -50,13 +62,64 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution) {
           Status::singular,
           "the answer is not finite: a pivot vanished or has the wrong sign, so the mass matrix is singular or not "
           "positive definite at this state"};
-    else if (look == FirstLook::suspicious || model_.has_singular_inertia())
+    else if (look == FirstLook::suspicious || refinement_)
       outcome = verified(system, solution);
   }
-  if (!outcome.usable() && !judgement::finite(system))
-    outcome = {Status::not_finite,
-               "the coefficients of eq. 14 are not finite, or overflow; look at the state, the loads and the motions"};
+  if (rank_) judge_closures(outcome);
+  if (!outcome.usable() && !judgement::finite(system)) outcome = {Status::not_finite, not_finite};
   return outcome;
+}
+
+template <class S>
+const RightHandSide<S>& Formulation<S>::consistent(const System<S>& system) {
+  if (!rank_ || closures().redundant == 0) return system.rhs;
+  consistent_ = system.rhs;
+  for (std::size_t k = 0; k < consistent_.closure.size(); ++k) consistent_.closure[k] += S(closures().correction[k]);
+  return consistent_;
+}
+
+template <class S>
+void Formulation<S>::settle_reactions(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
+  if (!rank_ || closures().redundant == 0) return;
+  rank_->minimum_norm(solution.lambda);
+  wrenches(system, rhs, solution);
+}
+
+/// What the decision on the closure conditions says of the answer.
+template <class S>
+void Formulation<S>::judge_closures(Outcome& outcome) const {
+  const ClosureDecision& decision = closures();
+  outcome.rank = decision.rank, outcome.redundant = decision.redundant;
+  outcome.sigma = decision.sigma, outcome.next_sigma = decision.next_sigma;
+  const auto row = [&] {
+    return decision.worst_row < 0 ? std::string("?") : model_.closures().row_names[decision.worst_row];
+  };
+  const auto say = [&](Status status, std::string message) {
+    if (outcome.usable()) outcome.status = status, outcome.message = std::move(message);
+  };
+  if (!outcome.usable()) return;
+  if (std::max(decision.position_violation, decision.velocity_violation) > largest_violation)
+    say(Status::inconsistent,
+        fmt::format("the state does not satisfy the closure conditions (positions by {:.1e}, velocities by {:.1e} in "
+                    "units of the model's length; worst: '{}'); assemble it first",
+                    decision.position_violation, decision.velocity_violation, row()));
+  else if (decision.contradiction > largest_contradiction)
+    say(Status::inconsistent,
+        fmt::format("the closure conditions contradict one another: {:.1e} of the accelerations they demand cannot be "
+                    "balanced (worst: '{}'); least squares returned",
+                    decision.contradiction, row()));
+  else if (decision.varying_rank)
+    say(Status::singular,
+        fmt::format("singular configuration: rank {} of the closure conditions is larger in neighbouring states; the "
+                    "answer obeys the conditions at this very state only",
+                    decision.rank));
+  else if (decision.near_singular)
+    say(Status::singular,
+        fmt::format("so near a singular configuration that the rank is not clear: singular values {:.1e} and {:.1e}",
+                    decision.sigma, decision.next_sigma));
+  else if (decision.redundant > 0)
+    say(Status::redundant, fmt::format("{} of {} closure conditions are redundant; λ has minimum norm",
+                                       decision.redundant, model_.closures().rows()));
 }
 
 /// Refines the answer, and sees whether the factors bring back an answer that is known. The second is needed because a
@@ -66,6 +129,11 @@ Outcome Formulation<S>::verified(const System<S>& system, Solution<S>& solution)
   Outcome outcome;
   for (int step = 0; step < most_refinements && !(outcome.forward_error < largest_correction); ++step)
     outcome.forward_error = refine(system, solution);
+  if (const double open = open_closures(system, solution); !(open < largest_correction)) {
+    outcome.status = Status::not_converged;
+    outcome.message = fmt::format("the answer violates the closure conditions by {:.1e} of its accelerations", open);
+    return outcome;
+  }
   const bool refined = outcome.forward_error < largest_correction;
   const double probe = refined ? probe_error(system) : 0;
   if (refined && probe < largest_probe_error) return outcome;
@@ -81,15 +149,26 @@ Outcome Formulation<S>::verified(const System<S>& system, Solution<S>& solution)
   return outcome;
 }
 
+/// Largest acceleration with which a closure opens, relative to the accelerations of the answer.
+template <class S>
+double Formulation<S>::open_closures(const System<S>& system, const Solution<S>& solution) {
+  if (!rank_) return 0;
+  std::vector<S>& open = refinement_->residual.closure;
+  closure_accelerations(system, consistent(system), solution, open);
+  judgement::Sizes size(model_, solution);
+  size.include_loads(system);
+  const double largest = rank_->largest(open) * model_.length();
+  return largest == 0 ? 0 : largest / size.acceleration;
+}
+
 template <class S>
 double Formulation<S>::probe_error(const System<S>& system) {
   // Without loads and velocities eq. 14 is M̄ η̇ = τ: the τ of given accelerations, and back.
   Solution<S>& known = refinement_->probe;
   Solution<S>& found = refinement_->correction;
   RightHandSide<S>& rhs = refinement_->residual;
-  const S zero(0.0);
-  const Vec3<S> none{zero, zero, zero};
-  for (int i = 0; i < model_.bodies(); ++i) rhs.force[i] = {none, none}, rhs.bias[i] = {none, none};
+  rhs.set_zero();
+  std::fill(known.lambda.begin(), known.lambda.end(), S(0.0));
   for (int k = 0; k < model_.nv(); ++k) {
     const double unit = model_.column_kind(k) == ColumnKind::translation ? 1 : 1 / model_.length();
     known.vdot[k] = S(unit * (k % 3 == 0 ? 1.0 : k % 3 == 1 ? -0.75 : 0.5));
@@ -99,6 +178,10 @@ double Formulation<S>::probe_error(const System<S>& system) {
   for (int k = 0; k < model_.nv(); ++k) {
     rhs.tau[k] = project(model_.column_kind(k), system.columns[k], known.wrench[model_.body_of_velocity(k)]);
     if (model_.armature()[k] != 0) rhs.tau[k] += S(model_.armature()[k]) * known.vdot[k];
+  }
+  if (rank_) {  // conditions that the known accelerations satisfy without multipliers
+    closure_accelerations(system, rhs, known, found.lambda);
+    for (std::size_t k = 0; k < rhs.closure.size(); ++k) rhs.closure[k] = -found.lambda[k];
   }
   substitute(system, rhs, found);
   double error = 0;
@@ -114,7 +197,7 @@ template <class S>
 double Formulation<S>::refine(const System<S>& system, Solution<S>& solution) {
   if (!refinement_) refinement_ = std::make_unique<Refinement>(model_);
   Solution<S>& correction = refinement_->correction;
-  residual(system, system.rhs, solution, refinement_->residual);
+  residual(system, consistent(system), solution, refinement_->residual);
   substitute(system, refinement_->residual, correction);
   judgement::Sizes size(model_, solution);
   size.include_loads(system);
@@ -123,6 +206,8 @@ double Formulation<S>::refine(const System<S>& system, Solution<S>& solution) {
     solution.acceleration[i] += correction.acceleration[i];
     solution.wrench[i] += correction.wrench[i];
   }
+  for (std::size_t k = 0; k < solution.lambda.size(); ++k) solution.lambda[k] += correction.lambda[k];
+  settle_reactions(system, consistent(system), solution);
   drive_forces(system, solution);
   return judgement::relative(judgement::Sizes(model_, correction), size);
 }

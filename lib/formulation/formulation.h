@@ -1,4 +1,4 @@
-// A formulation is one way to solve eq. 14. It gets the coefficients and returns η̇, â, f̂; nothing else.
+// A formulation is one way to solve eq. 14. It gets the coefficients and returns η̇, â, f̂, λ; nothing else.
 //
 // A new one is a folder in formulations/ (or a file of your own program) that derives from Formulation<S>, and a
 // Registration. Everything else (tests, experiments, command line) finds it in formulations().
@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "lib/closure/rank.h"
 #include "lib/formulation/outcome.h"
 #include "lib/system/system.h"
 
@@ -36,6 +37,9 @@ class Formulation {
   explicit Formulation(const Model& model);
   virtual ~Formulation();
 
+  /// What comes first where loops are closed: which closure conditions hold, lib/closure/rank.h. The phases use it.
+  void decide(const System<S>& system, RankPolicy policy = {});
+
   /// The three phases of a solve, to be called in this order. They exist apart so that each can be counted and timed
   /// from outside; substitute() may be called again with another right-hand side of the same coefficients. assemble:
   /// coefficients into the formulation's own matrices, if it has any.
@@ -43,17 +47,24 @@ class Formulation {
   /// factorise: everything that does not depend on the right-hand side. A matrix the formulation can recognise as
   /// unusable is told here; the phases after it are then skipped.
   virtual Outcome factorise(const System<S>& system) = 0;
-  /// substitute: η̇, â and f̂ for one right-hand side.
+  /// substitute: η̇, â, f̂ and λ for one right-hand side. Where conditions are redundant, λ of the dependent rows may be
+  /// left zero, and the conditions of these rows be ignored: solve() makes them consistent, and takes care of the norm.
   virtual void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) = 0;
 
   /// All phases, the drive forces, and the judgement of the answer:
   ///   not_finite  the coefficients themselves are not finite, or overflow
-  ///   singular    the answer is not finite, or does not stand the following test
-  /// Where a body's inertia is far below the largest (Model::has_singular_inertia), or eq. 12 is violated by more than
-  /// rounding explains, up to three refinement steps must bring the correction below 1e-8 of the answer, and a known
-  /// answer must come back. The size of the last correction is returned as forward_error. Allocates only where it finds
-  /// eq. 12 violated in a model that gave no reason to expect it.
-  Outcome solve(const System<S>& system, Solution<S>& solution);
+  ///   inconsistent  the state violates the closure conditions, or they contradict one another (a driven loop that
+  ///   cannot
+  ///               follow): the answer is that of least squares in the scaled rows
+  ///   singular    the answer is not finite, or does not stand the following test; or the rank of the closure
+  ///   conditions
+  ///               is larger in neighbouring states: what the conditions at this very state leave is returned
+  ///   redundant   the right answer, in spite of redundant conditions, and λ of minimum norm in the scaled rows
+  /// Where loops are closed, or a body's inertia is far below the largest (Model::has_singular_inertia), or eq. 12 is
+  /// violated by more than rounding explains, up to three refinement steps must bring the correction below 1e-8 of the
+  /// answer, and a known answer must come back. The size of the last correction is returned as forward_error. Allocates
+  /// only where it finds eq. 12 violated in a model that gave no reason to expect it.
+  Outcome solve(const System<S>& system, Solution<S>& solution, RankPolicy policy = {});
 
   /// One step of iterative refinement with the residual of eq. 14, using the present factors. Returns the size of the
   /// correction relative to the answer, of accelerations or wrenches the larger. Restores the accuracy long chains
@@ -65,14 +76,24 @@ class Formulation {
 
  protected:
   const Model& model() const { return model_; }
+  /// Which closure conditions hold at the state of the present solve.
+  const ClosureDecision& closures() const { return rank_->decision(); }
 
  private:
   struct Refinement;
+  /// The right-hand side with consistent closure conditions.
+  const RightHandSide<S>& consistent(const System<S>& system);
+  /// λ of minimum norm, and the wrenches that go with it.
+  void settle_reactions(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
+  void judge_closures(Outcome& outcome) const;
+  double open_closures(const System<S>& system, const Solution<S>& solution);
   Outcome verified(const System<S>& system, Solution<S>& solution);
   /// Relative error with which the present factors bring back an answer that is known.
   double probe_error(const System<S>& system);
 
   Model model_;
+  std::unique_ptr<ClosureRank<S>> rank_;  // where loops are closed
+  RightHandSide<S> consistent_;
   std::unique_ptr<Refinement> refinement_;  // at once for models that need it in solve(), else at the first refine()
 };
 

@@ -28,8 +28,12 @@ bool finite(const System<S>& system) {
     if (!small(bias.angular) || !small(bias.linear)) return false;
   for (const auto& force : system.rhs.force)
     if (!small(force.moment) || !small(force.force)) return false;
-  return std::all_of(system.rhs.tau.begin(), system.rhs.tau.end(),
-                     [](const S& x) { return std::abs(to_double(x)) < largest; });
+  for (const auto& row : system.closure_rows)
+    if (!small(row.a.moment) || !small(row.a.force) || !small(row.b.moment) || !small(row.b.force)) return false;
+  const auto all_small = [](const std::vector<S>& numbers) {
+    return std::all_of(numbers.begin(), numbers.end(), [](const S& x) { return std::abs(to_double(x)) < largest; });
+  };
+  return all_small(system.rhs.tau) && all_small(system.rhs.closure);
 }
 
 /// What one sweep over an answer tells.
@@ -41,6 +45,8 @@ template <class S>
 FirstLook first_look(const System<S>& system, const Solution<S>& solution) {
   const Model& model = system.model;
   FirstLook result = FirstLook::good;
+  for (const S& multiplier : solution.lambda)
+    if (!std::isfinite(to_double(multiplier))) return FirstLook::not_finite;
   for (int i = 0; i < model.bodies(); ++i) {
     const Link& link = model.link(i);
     const Wrench<S>& f = solution.wrench[i];

@@ -22,6 +22,9 @@ struct [[nodiscard]] Outcome {
   /// Estimate of the relative error of the answer from the last refinement step; NaN where it was not made
   /// (Formulation::solve).
   double forward_error = std::numeric_limits<double>::quiet_NaN();
+  // Of the closure conditions, where loops are closed (lib/closure/rank.h).
+  int rank = 0, redundant = 0;
+  double sigma = 0, next_sigma = 0;  // σ_r and σ_{r+1}
 
   bool usable() const { return status == Status::solved || status == Status::redundant; }
 };

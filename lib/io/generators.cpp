@@ -6,6 +6,7 @@
 #include <charconv>
 #include <map>
 
+#include "lib/io/four_bars.h"
 #include "lib/io/random_tree.h"
 
 namespace lanc {
@@ -22,6 +23,14 @@ constexpr GeneratorInfo table[] = {
      "N bodies of the chain, the first on the ground, all others on the first"},
     {"random", "random:N[:seed=S][:kinds=A,B,...][:massless=no][:driven=no][:forces=no][:gravity=G]",
      "N bodies hung together at random: all joint kinds, massless bodies, prescribed motions, springs"},
+    {"four-bar-ladder", "four-bar-ladder:N[:angle=A][:rate=R][:cut=point|weld][:gravity=G]",
+     "N four-bars side by side on the ground: 2N + 1 rods of 1 m and 1 kg in the x-z plane, uprights A from the "
+     "vertical "
+     "(default 0.7 rad) turning at R (default 1 rad/s); closures: points at the tips (3 rows, 1 redundant), or welds "
+     "in "
+     "the middle of the uprights (6 rows, 3 redundant)"},
+    {"four-bar-chain", "four-bar-chain:N[:angle=A][:rate=R][:cut=point|weld][:gravity=G]",
+     "N four-bars in series, each on the coupler of the one before; options as four-bar-ladder"},
 };
 
 [[noreturn]] void fail(std::string_view argument, const std::string& what) {
@@ -78,22 +87,25 @@ class Arguments {
       fail(argument_, fmt::format("branching '{}' is not a whole number of 1 or more", *value));
     return *branching;
   }
-  /// m/s², downward.
-  double gravity() {
-    const auto value = text("gravity");
-    if (!value) return 9.81;
-    double g = 0;
-    const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), g);
-    if (error != std::errc() || end != value->data() + value->size() || !std::isfinite(g))
-      fail(argument_, fmt::format("gravity '{}' is not a number in m/s^2, such as 9.81 or 0", *value));
-    return g;
-  }
-  bool yes(std::string_view key) {
+  double number(std::string_view key, double preset, const char* example) {
     const auto value = text(key);
-    if (value && *value != "yes" && *value != "no")
-      fail(argument_, fmt::format("{}={}; write {}=yes or {}=no", key, *value, key, key));
-    return !value || *value == "yes";
+    if (!value) return preset;
+    double x = 0;
+    const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), x);
+    if (error != std::errc() || end != value->data() + value->size() || !std::isfinite(x))
+      fail(argument_, fmt::format("{} '{}' is not a number, such as {}", key, *value, example));
+    return x;
   }
+  /// m/s², downward.
+  double gravity() { return number("gravity", 9.81, "9.81 or 0 (m/s^2)"); }
+  /// One of two words; true for the second.
+  bool second(std::string_view key, std::string_view first_word, std::string_view second_word) {
+    const auto value = text(key);
+    if (value && *value != first_word && *value != second_word)
+      fail(argument_, fmt::format("{}={}; write {}={} or {}={}", key, *value, key, first_word, key, second_word));
+    return value && *value == second_word;
+  }
+  bool yes(std::string_view key) { return !second(key, "yes", "no"); }
   JointKind kind(std::string_view name) const {
     if (const auto kind = find_joint_kind(name)) return *kind;
     std::vector<std::string_view> names;
@@ -222,8 +234,17 @@ std::optional<Mechanism> generate(std::string_view argument) {
   const auto info = std::find_if(std::begin(table), std::end(table), [&](const auto& g) { return g.name == name; });
   if (info == std::end(table)) return std::nullopt;
   Arguments arguments(argument, *info);
-  Draw draw(arguments.seed());
   const double gravity = arguments.gravity();
+  if (name.starts_with("four-bar")) {
+    FourBarOptions options{.loops = arguments.bodies, .gravity = gravity};
+    options.angle = arguments.number("angle", options.angle, "0.7 (rad)");
+    options.rate = arguments.number("rate", options.rate, "1 (rad/s)");
+    options.six_rows = arguments.second("cut", "point", "weld");
+    arguments.require_all_used();
+    return name == "four-bar-ladder" ? four_bar_ladder(options, std::string(argument))
+                                     : four_bar_chain(options, std::string(argument));
+  }
+  Draw draw(arguments.seed());
   ModelSpec spec = name == "random" ? random(arguments, draw) : regular(name, arguments);
   spec.name = argument;
   spec.gravity = {0, 0, -gravity};

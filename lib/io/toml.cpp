@@ -67,18 +67,18 @@ BodySpec read_body(const toml::table& source, const std::string& file) {
   return body;
 }
 
-Eigen::Matrix3d read_rotation(const TomlTable& joint) {
-  const toml::node *quaternion = joint.find("quaternion"), *rpy = joint.find("rpy");
+Eigen::Matrix3d read_rotation(const TomlTable& joint, const std::string& suffix = {}) {
+  const toml::node *quaternion = joint.find("quaternion" + suffix), *rpy = joint.find("rpy" + suffix);
   if (quaternion && rpy) joint.fail(*rpy, "quaternion and rpy both give the orientation; keep one of them");
   if (rpy) {
-    const Eigen::Vector3d a = joint.vector("rpy");
+    const Eigen::Vector3d a = joint.vector("rpy" + suffix);
     using Eigen::AngleAxisd, Eigen::Vector3d;
     return (AngleAxisd(a.z(), Vector3d::UnitZ()) * AngleAxisd(a.y(), Vector3d::UnitY()) *
             AngleAxisd(a.x(), Vector3d::UnitX()))
         .toRotationMatrix();
   }
   if (!quaternion) return Eigen::Matrix3d::Identity();
-  const std::vector<double> e = joint.numbers("quaternion");
+  const std::vector<double> e = joint.numbers("quaternion" + suffix);
   if (e.size() != 4) joint.fail(*quaternion, fmt::format("quaternion needs 4 numbers [w, x, y, z], not {}", e.size()));
   const Eigen::Quaterniond q(e[0], e[1], e[2], e[3]);
   if (!(std::abs(q.norm() - 1) <= 1e-6))
@@ -221,6 +221,89 @@ JointSpec read_joint(const toml::table& source, const std::string& file) {
   return joint;
 }
 
+std::vector<std::string> position_names(const JointKind kind) {
+  const JointTraits& traits = kind.traits();
+  return {traits.q_names.begin(), traits.q_names.begin() + traits.nq};
+}
+
+Placement read_placement(const TomlTable& table, const std::string& suffix) {
+  return {read_rotation(table, suffix), table.vector("position" + suffix)};
+}
+
+ClosureSpec read_closure(const toml::table& source, const std::string& file) {
+  static constexpr std::string_view keys[] = {"name",       "type",  "body_a", "body_b",       "position_a",
+                                              "position_b", "rpy_a", "rpy_b",  "quaternion_a", "quaternion_b",
+                                              "axis",       "axis2", "pitch",  "length",       "motion"};
+  const TomlTable table(source, file, label("closure", source), keys);
+  ClosureSpec closure;
+  closure.place = table.place();
+  closure.name = table.name("name");
+  const std::string type = table.name("type");
+  const std::optional<ClosureKind> kind = find_closure_kind(type);
+  if (!kind) {
+    std::vector<std::string_view> names;
+    for (const ClosureTraits& traits : closures::all_closures) names.push_back(traits.name);
+    const std::string mend = did_you_mean(type, names);
+    table.fail(*table.find("type"),
+               fmt::format("unknown closure type {}{}", in_quotes(type),
+                           mend.empty() ? fmt::format("; one of {}", fmt::join(names, ", ")) : mend));
+  }
+  closure.kind = *kind;
+  closure.body_a = body_or_ground(table, "body_a");
+  closure.body_b = body_or_ground(table, "body_b");
+  closure.frame_a = read_placement(table, "_a");
+  closure.frame_b = read_placement(table, "_b");
+  if (table.find("axis")) closure.axis = table.vector("axis");
+  if (table.find("axis2")) closure.axis2 = table.vector("axis2");
+  closure.pitch = table.number("pitch");
+  closure.length = table.number("length");
+  if (table.find("motion")) closure.motion = read_motion(table);
+  return closure;
+}
+
+/// coordinates = ["joint" or "joint.coordinate", ...], factors = [...]: which joints there are is known to the model's
+/// builder, what a joint's coordinates are called to `joints`.
+CouplerSpec read_coupler(const toml::table& source, const std::string& file, const std::vector<JointSpec>& joints) {
+  static constexpr std::string_view keys[] = {"name", "coordinates", "factors", "offset", "motion"};
+  const TomlTable table(source, file, label("coupler", source), keys);
+  CouplerSpec coupler;
+  coupler.place = table.place();
+  coupler.name = table.name("name");
+  const toml::node* node = table.find("coordinates");
+  const toml::array* names = node ? node->as_array() : nullptr;
+  if (!names) table.fail("coordinates is missing; give an array such as [\"crank\", \"wheel.angle\"]");
+  const std::vector<double> factors = table.numbers("factors");
+  if (factors.size() != names->size())
+    table.fail(*node,
+               fmt::format("{} coordinates and {} factors; give one factor each", names->size(), factors.size()));
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    const auto* text = names->get(k)->as_string();
+    if (!text) table.fail(*names->get(k), "a coordinate is named by a string: a joint, or joint.coordinate");
+    CouplerSpec::Term term{text->get(), 0, factors[k]};
+    const auto called = [&](const std::string& name) {
+      return std::find_if(joints.begin(), joints.end(), [&](const JointSpec& j) { return j.name == name; });
+    };
+    if (const std::size_t dot = term.joint.rfind('.'); called(term.joint) == joints.end() && dot != std::string::npos) {
+      const std::string coordinate = term.joint.substr(dot + 1);
+      term.joint.resize(dot);
+      if (const auto joint = called(term.joint); joint != joints.end()) {
+        const std::vector<std::string> known = position_names(joint->kind);
+        term.coordinate = static_cast<int>(std::find(known.begin(), known.end(), coordinate) - known.begin());
+        if (term.coordinate == static_cast<int>(known.size()))
+          table.fail(*names->get(k), fmt::format("joint '{}' has no coordinate '{}'; it has {}", term.joint, coordinate,
+                                                 fmt::join(known, ", ")));
+      }
+    } else if (const auto joint = called(term.joint); joint != joints.end() && joint->kind.traits().nq > 1) {
+      table.fail(*names->get(k), fmt::format("joint '{}' has several coordinates; write for example '{}.{}'",
+                                             term.joint, term.joint, position_names(joint->kind)[0]));
+    }
+    coupler.terms.push_back(term);
+  }
+  coupler.offset = table.number("offset");
+  if (table.find("motion")) coupler.motion = read_motion(table);
+  return coupler;
+}
+
 PointSpringSpec read_spring(const toml::table& source, const std::string& file) {
   static constexpr std::string_view keys[] = {"name",    "body_a",    "body_b",  "point_a",
                                               "point_b", "stiffness", "damping", "rest_length"};
@@ -301,8 +384,8 @@ State<double> read_state(const TomlTable& document, const Model& model) {
 }  // namespace
 
 Mechanism load_toml_text(std::string_view text, const std::string& name) {
-  static constexpr std::string_view keys[] = {"name",  "gravity", "length", "body",
-                                              "joint", "spring",  "wrench", "state"};
+  static constexpr std::string_view keys[] = {"name",    "gravity", "length", "body",   "joint",
+                                              "closure", "coupler", "spring", "wrench", "state"};
   const toml::table source = parse_toml(text, name);
   const TomlTable document(source, name, "model", keys);
   ModelSpec spec;
@@ -312,6 +395,9 @@ Mechanism load_toml_text(std::string_view text, const std::string& name) {
   if (document.find("length")) spec.length = document.number("length");
   for (const toml::table* table : document.tables("body")) spec.bodies.push_back(read_body(*table, name));
   for (const toml::table* table : document.tables("joint")) spec.joints.push_back(read_joint(*table, name));
+  for (const toml::table* table : document.tables("closure")) spec.closures.push_back(read_closure(*table, name));
+  for (const toml::table* table : document.tables("coupler"))
+    spec.couplers.push_back(read_coupler(*table, name, spec.joints));
   for (const toml::table* table : document.tables("spring")) spec.springs.push_back(read_spring(*table, name));
   for (const toml::table* table : document.tables("wrench")) spec.wrenches.push_back(read_wrench(*table, name));
   if (spec.bodies.empty()) throw InputError(spec.place, "the model has no body; add a [[body]] and its [[joint]]");

@@ -22,6 +22,7 @@ class ModelBuilder {
     for (int i = 0; i < static_cast<int>(data_->spec.bodies.size()); ++i) add_link(i);
     mark_leaves_and_last_siblings();
     add_springs_and_wrenches();
+    add_closures();
     find_length();
     find_singular_inertia();
     return data_;
@@ -203,6 +204,31 @@ class ModelBuilder {
     for (const WrenchSpec& w : data_->spec.wrenches)
       data_->wrenches.push_back(
           {find(data_->body_index, w.body, w.place, "wrench"), {from_eigen(w.moment), from_eigen(w.force)}});
+  }
+
+  void add_closures() {
+    const auto coordinate = [&](const CouplerSpec::Term& term, const Place& place, const std::string& who) {
+      const auto joint = std::find_if(data_->spec.joints.begin(), data_->spec.joints.end(),
+                                      [&](const JointSpec& j) { return j.name == term.joint; });
+      if (joint == data_->spec.joints.end())
+        throw InputError(place, fmt::format("{}: there is no joint '{}'; define it or mend the name", who, term.joint));
+      const Link& link = data_->links[joint - data_->spec.joints.begin()];
+      const JointTraits& traits = link.kind.traits();
+      if (link.drive >= 0)
+        throw InputError(place, fmt::format("{}: the motion of joint '{}' is prescribed already; couple one that is "
+                                            "free, or give the coupler a motion",
+                                            who, term.joint));
+      if (!traits.rates_are_velocities() || term.coordinate < 0 || term.coordinate >= traits.nv)
+        throw InputError(
+            place, fmt::format("{}: joint '{}' ({}) has no such coordinate to couple", who, term.joint, traits.name));
+      return Coupler::Term{link.q + term.coordinate, link.v + term.coordinate, term.factor};
+    };
+    data_->closures = build_closures(
+        data_->spec, {[&](const std::string& name, const Place& place, const std::string& who) {
+                        return name.empty() ? ground : find(data_->body_index, name, place, who);
+                      },
+                      [&](int body) { return body == ground ? identity3<double>() : data_->body_axes[body]; },
+                      coordinate, [&](int v) { return data_->column_kind[v] == ColumnKind::translation; }});
   }
 
   void find_length() {

@@ -9,11 +9,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "lib/model/spec.h"
+#include "lib/model/closure_set.h"
 
 namespace lanc {
-
-constexpr int ground = -1;
 
 /// One body with the joint that carries it, in *joint axes*: z along the joint's axis (lib/model/joints/joint.h).
 struct Link {
@@ -75,6 +73,8 @@ class Model {
   std::span<const PassiveCoordinate> passive() const { return data_->passive; }
   std::span<const PointSpring> springs() const { return data_->springs; }
   std::span<const ConstantWrench> wrenches() const { return data_->wrenches; }
+  const ClosureSet& closures() const { return data_->closures; }
+  bool has_closures() const { return data_->closures.rows() > 0; }
   const Vec3<double>& gravity() const { return data_->gravity; }
   /// Characteristic length, m: from the specification, or the mean distance between joints, or 1.
   double length() const { return data_->length; }
@@ -107,6 +107,7 @@ class Model {
     std::vector<PassiveCoordinate> passive;
     std::vector<PointSpring> springs;
     std::vector<ConstantWrench> wrenches;
+    ClosureSet closures;
     Vec3<double> gravity;
     double length = 1;
     int singular_inertia_body = -1;

@@ -7,11 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "lib/model/closures/list.h"
 #include "lib/model/error.h"
-#include "lib/model/joints/list.h"
 #include "lib/model/motion.h"
 
 namespace lanc {
+
+constexpr int ground = -1;  // the index that stands for K_0
 
 /// Position and orientation of a frame in another: columns of `rotation` are its axes.
 struct Placement {
@@ -62,6 +64,33 @@ struct JointSpec {
   Place place;
 };
 
+/// A loop closed by a secondary joint, or by another closure kind, between body `a` (the predecessor) and body `b`.
+struct ClosureSpec {
+  std::string name;
+  ClosureKind kind;
+  std::string body_a, body_b;                  // empty means ground
+  Placement frame_a, frame_b;                  // of the closure, in body axes; both coincide at zero position
+  std::optional<Eigen::Vector3d> axis, axis2;  // in the axes of either frame, as for a joint of that kind
+  double pitch = 0;                            // helical: m/rad
+  double length = 0;                           // distance: m
+  std::optional<MotionSpec> motion;            // prescribed: coordinate of a joint with one freedom, or the length
+  Place place;
+};
+
+/// Gear, belt, mimic: Σ factor × coordinate = offset + motion(t).
+struct CouplerSpec {
+  struct Term {
+    std::string joint;
+    int coordinate = 0;  // of the joint, whose rates must be its velocities (no Euler parameters)
+    double factor = 1;
+  };
+  std::string name;
+  std::vector<Term> terms;
+  double offset = 0;
+  std::optional<MotionSpec> motion;
+  Place place;
+};
+
 /// Spring and damper in parallel between two points: force (length − rest) k + d(length)/dt c, pulling when positive.
 struct PointSpringSpec {
   std::string name;
@@ -84,6 +113,8 @@ struct ModelSpec {
   std::optional<double> length;                       // characteristic length; default: mean distance of joints
   std::vector<BodySpec> bodies;
   std::vector<JointSpec> joints;  // exactly one per body, in any order
+  std::vector<ClosureSpec> closures;
+  std::vector<CouplerSpec> couplers;
   std::vector<PointSpringSpec> springs;
   std::vector<WrenchSpec> wrenches;
   Place place;

@@ -46,6 +46,41 @@ void validate_coordinate(const JointSpec& joint, const CoordinateSpec& c, const 
     fail(joint.place, who + ": a joint with Euler parameters takes no coordinate spring; use a point spring instead");
 }
 
+/// Right-handed axes with z along `axis` and x along `axis2`, where the kind takes them.
+Eigen::Matrix3d axes_along(const Place& place, const std::string& who, std::string_view kind, JointAxes takes,
+                           const std::optional<Eigen::Vector3d>& axis, const std::optional<Eigen::Vector3d>& axis2) {
+  if (takes == JointAxes::none && (axis || axis2))
+    fail(place, fmt::format("{}: a {} joint has no axis; remove it", who, kind));
+  if (takes == JointAxes::one && axis2)
+    fail(place, fmt::format("{}: a {} joint has one axis; remove axis2", who, kind));
+
+  const auto unit = [&](const std::optional<Eigen::Vector3d>& given, const Eigen::Vector3d& preset, const char* key) {
+    if (!given) return preset;
+    require_finite(place, who + ": " + key, *given);
+    const double largest = given->cwiseAbs().maxCoeff();
+    if (largest == 0) fail(place, fmt::format("{}: {} is zero; give a direction, for example [0, 0, 1]", who, key));
+    const Eigen::Vector3d scaled = *given / largest;  // survives axes of 1e-200 or 1e200
+    return Eigen::Vector3d(scaled / scaled.norm());
+  };
+  const Eigen::Vector3d z = unit(axis, Eigen::Vector3d::UnitZ(), "axis");
+  // Without a second axis: the coordinate axis least along z, made perpendicular; exactly x for z = (0, 0, 1).
+  int least = 0;
+  if (std::abs(z.y()) < std::abs(z[least])) least = 1;
+  if (std::abs(z.z()) < std::abs(z[least])) least = 2;
+  const Eigen::Vector3d preset = (Eigen::Vector3d::Unit(least) - z * z[least]).normalized();
+  const Eigen::Vector3d x = unit(axis2, preset, "axis2");
+  if (std::abs(x.dot(z)) > 1e-9)
+    fail(place, fmt::format("{}: axis2 is not perpendicular to axis (cosine {:.3g})", who, x.dot(z)));
+  Eigen::Matrix3d axes;
+  axes << x, z.cross(x), z;
+  return axes;
+}
+
+void require_rotation(const Place& place, const std::string& who, const Eigen::Matrix3d& R) {
+  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-9 || R.determinant() < 0)
+    fail(place, who + ": the frame's rotation is not a rotation; its columns must be right-handed unit axes");
+}
+
 }  // namespace
 
 void validate(const BodySpec& body) {
@@ -65,9 +100,7 @@ void validate(const JointSpec& joint) {
   const JointTraits& traits = joint.kind.traits();
   require_finite(joint.place, who + ": frame", joint.frame.rotation);
   require_finite(joint.place, who + ": position", joint.frame.position);
-  const Eigen::Matrix3d& R = joint.frame.rotation;
-  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-9 || R.determinant() < 0)
-    fail(joint.place, who + ": the frame's rotation is not a rotation; its columns must be right-handed unit axes");
+  require_rotation(joint.place, who, joint.frame.rotation);
   joint_axes(joint);
   require_finite(joint.place, who + ": pitch", scalar(joint.pitch));
   if (joint.pitch != 0 && !traits.has_pitch)
@@ -91,34 +124,14 @@ void validate(const JointSpec& joint) {
 }
 
 Eigen::Matrix3d joint_axes(const JointSpec& joint) {
-  const std::string who = "joint '" + joint.name + "'";
   const JointTraits& traits = joint.kind.traits();
-  if (traits.axes == JointAxes::none && (joint.axis || joint.axis2))
-    fail(joint.place, fmt::format("{}: a {} joint has no axis; remove it", who, traits.name));
-  if (traits.axes == JointAxes::one && joint.axis2)
-    fail(joint.place, fmt::format("{}: a {} joint has one axis; remove axis2", who, traits.name));
+  return axes_along(joint.place, "joint '" + joint.name + "'", traits.name, traits.axes, joint.axis, joint.axis2);
+}
 
-  const auto unit = [&](const std::optional<Eigen::Vector3d>& axis, const Eigen::Vector3d& preset, const char* key) {
-    if (!axis) return preset;
-    require_finite(joint.place, who + ": " + key, *axis);
-    const double largest = axis->cwiseAbs().maxCoeff();
-    if (largest == 0)
-      fail(joint.place, fmt::format("{}: {} is zero; give a direction, for example [0, 0, 1]", who, key));
-    const Eigen::Vector3d scaled = *axis / largest;  // survives axes of 1e-200 or 1e200
-    return Eigen::Vector3d(scaled / scaled.norm());
-  };
-  const Eigen::Vector3d z = unit(joint.axis, Eigen::Vector3d::UnitZ(), "axis");
-  // Without a second axis: the coordinate axis least along z, made perpendicular; exactly x for z = (0, 0, 1).
-  int least = 0;
-  if (std::abs(z.y()) < std::abs(z[least])) least = 1;
-  if (std::abs(z.z()) < std::abs(z[least])) least = 2;
-  const Eigen::Vector3d preset = (Eigen::Vector3d::Unit(least) - z * z[least]).normalized();
-  const Eigen::Vector3d x = unit(joint.axis2, preset, "axis2");
-  if (std::abs(x.dot(z)) > 1e-9)
-    fail(joint.place, fmt::format("{}: axis2 is not perpendicular to axis (cosine {:.3g})", who, x.dot(z)));
-  Eigen::Matrix3d axes;
-  axes << x, z.cross(x), z;
-  return axes;
+Eigen::Matrix3d closure_axes(const ClosureSpec& closure) {
+  const ClosureTraits& traits = closure.kind.traits();
+  return axes_along(closure.place, "closure '" + closure.name + "'", traits.name, traits.axes, closure.axis,
+                    closure.axis2);
 }
 
 void validate(const PointSpringSpec& spring) {
@@ -135,6 +148,49 @@ void validate(const PointSpringSpec& spring) {
 void validate(const WrenchSpec& wrench) {
   require_finite(wrench.place, "wrench on '" + wrench.body + "': moment", wrench.moment);
   require_finite(wrench.place, "wrench on '" + wrench.body + "': force", wrench.force);
+}
+
+void validate(const ClosureSpec& closure) {
+  if (closure.name.empty()) fail(closure.place, "a closure has no name; add name = \"...\"");
+  const std::string who = "closure '" + closure.name + "'";
+  const ClosureTraits& traits = closure.kind.traits();
+  for (const Placement* frame : {&closure.frame_a, &closure.frame_b}) {
+    require_finite(closure.place, who + ": frame", frame->rotation);
+    require_finite(closure.place, who + ": position", frame->position);
+    require_rotation(closure.place, who, frame->rotation);
+  }
+  closure_axes(closure);
+  if (closure.body_a == closure.body_b)
+    fail(closure.place, fmt::format("{}: it connects '{}' to itself; a loop needs two bodies, or a body and ground",
+                                    who, closure.body_a.empty() ? "ground" : closure.body_a));
+  require_finite(closure.place, who + ": pitch", scalar(closure.pitch));
+  require_finite(closure.place, who + ": length", scalar(closure.length));
+  if (closure.pitch != 0 && !traits.has_pitch)
+    fail(closure.place, fmt::format("{}: a {} closure has no pitch; remove it", who, traits.name));
+  if (closure.pitch == 0 && traits.has_pitch && !closure.motion)
+    fail(closure.place, fmt::format("{}: the pitch is zero; give one in m/rad, or make the closure revolute", who));
+  if (closure.length != 0 && (!traits.has_length || closure.motion))
+    fail(closure.place, fmt::format("{}: {} takes no length; remove it", who,
+                                    traits.has_length ? "a prescribed distance" : std::string(traits.name)));
+  if (traits.has_length && !closure.motion && !(closure.length > 0))
+    fail(closure.place,
+         fmt::format("{}: the length must be positive; use point-on-point to bring two points together", who));
+  if (closure.motion && !traits.can_be_driven())
+    fail(closure.place, fmt::format("{}: the motion of a {} closure cannot be prescribed; only that of a joint with "
+                                    "one freedom, or a distance",
+                                    who, traits.name));
+}
+
+void validate(const CouplerSpec& coupler) {
+  if (coupler.name.empty()) fail(coupler.place, "a coupler has no name; add name = \"...\"");
+  const std::string who = "coupler '" + coupler.name + "'";
+  if (coupler.terms.empty()) fail(coupler.place, who + ": it couples nothing; name coordinates and factors");
+  require_finite(coupler.place, who + ": offset", scalar(coupler.offset));
+  for (const CouplerSpec::Term& term : coupler.terms) {
+    require_finite(coupler.place, who + ": a factor", scalar(term.factor));
+    if (term.factor == 0)
+      fail(coupler.place, fmt::format("{}: the factor of joint '{}' is zero; remove the term", who, term.joint));
+  }
 }
 
 }  // namespace lanc

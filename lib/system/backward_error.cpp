@@ -58,11 +58,14 @@ struct RowMaxima {
 struct RowSums {
   std::vector<Wrench<double>> force;
   std::vector<Motion<double>> motion;
-  std::vector<double> tau;
+  std::vector<double> tau, closure;
 
-  template <class S, class A, class F, class V>
-  RowSums(const System<S>& system, const A& acceleration, const F& wrench, const V& vdot)
-      : force(system.model.bodies()), motion(system.model.bodies()), tau(system.model.nv()) {
+  template <class S, class A, class F, class V, class L>
+  RowSums(const System<S>& system, const A& acceleration, const F& wrench, const V& vdot, const L& lambda)
+      : force(system.model.bodies()),
+        motion(system.model.bodies()),
+        tau(system.model.nv()),
+        closure(system.model.closures().rows()) {
     const Model& model = system.model;
     const auto d = [](const S& s) { return std::abs(to_double(s)); };
     for (int i = 0; i < model.bodies(); ++i) {
@@ -88,6 +91,21 @@ struct RowSums {
         tau[k] = project(ColumnKind::screw, column, f) + model.armature()[k] * vdot(k);
       }
     }
+    for (const Closure& c : model.closures().closures)
+      for (int k = c.row; k < c.row + c.conditions().count; ++k) {
+        const auto side = [&](int body, const Wrench<S>& entries) {
+          if (body == ground) return;
+          const Wrench<double> row = magnitude(entries);
+          closure[k] += dot(acceleration(body), row);
+          force[body] += row * lambda(k);
+        };
+        side(c.body_a, system.closure_rows[k].a), side(c.body_b, system.closure_rows[k].b);
+      }
+    for (const Coupler& c : model.closures().couplers)
+      for (const Coupler::Term& term : c.terms) {
+        closure[c.row] += std::abs(term.factor) * vdot(term.v);
+        tau[term.v] += std::abs(term.factor) * lambda(c.row);
+      }
   }
 };
 
@@ -104,6 +122,7 @@ double largest_entry(const Solution<S>& solution) {
     grow(f.moment), grow(f.force);
   }
   for (const S& v : solution.vdot) x = std::max(x, std::abs(to_double(v)));
+  for (const S& l : solution.lambda) x = std::max(x, std::abs(to_double(l)));
   return x;
 }
 
@@ -117,7 +136,8 @@ BackwardError backward_error(const System<S>& system, const Solution<S>& solutio
   const RowSums Ax(
       system, [&](int i) { return magnitude(solution.acceleration[i]); },
       [&](int i) { return magnitude(solution.wrench[i]); },
-      [&](int k) { return std::abs(to_double(solution.vdot[k])); });
+      [&](int k) { return std::abs(to_double(solution.vdot[k])); },
+      [&](int k) { return std::abs(to_double(solution.lambda[k])); });
   constexpr Vec3<double> one{1, 1, 1};
   const RowSums A(
       system,
@@ -127,9 +147,10 @@ BackwardError backward_error(const System<S>& system, const Solution<S>& solutio
       [&](int) {
         return Wrench<double>{one, one};
       },
-      [](int) { return 1.0; });
+      [](int) { return 1.0; }, [](int) { return 1.0; });
 
-  RowMaxima rows{.x_norm = largest_entry(solution), .unknowns = 12.0 * model.bodies() + model.nv()};
+  const int closures = model.closures().rows();
+  RowMaxima rows{.x_norm = largest_entry(solution), .unknowns = 12.0 * model.bodies() + model.nv() + closures};
   for (int i = 0; i < model.bodies(); ++i) {
     const Wrench<double> b = magnitude(system.rhs.force[i]), rf = magnitude(r.force[i]);
     const Motion<double> bias = magnitude(system.rhs.bias[i]), rb = magnitude(r.bias[i]);
@@ -140,6 +161,8 @@ BackwardError backward_error(const System<S>& system, const Solution<S>& solutio
   }
   for (int k = 0; k < model.nv(); ++k)
     rows.add(to_double(r.tau[k]), Ax.tau[k], std::abs(to_double(system.rhs.tau[k])), A.tau[k]);
+  for (int k = 0; k < closures; ++k)
+    rows.add(to_double(r.closure[k]), Ax.closure[k], std::abs(to_double(system.rhs.closure[k])), A.closure[k]);
   if (!rows.finite) return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
   const double scale = rows.matrix * rows.x_norm + rows.load;
   return {rows.componentwise, scale > 0 ? rows.residual / scale : 0.0};

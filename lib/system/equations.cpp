@@ -17,7 +17,38 @@ void sweep_outward(const System<S>& system, const RightHandSide<S>& rhs, Solutio
   }
 }
 
+/// Adds sign × G_sᵀ λ to wrenches on bodies.
+template <class S>
+void add_closure_wrenches(const System<S>& system, const std::vector<S>& lambda, const S& sign,
+                          std::vector<Wrench<S>>& wrenches) {
+  for (const Closure& c : system.model.closures().closures)
+    for (int k = c.row; k < c.row + c.conditions().count; ++k) {
+      if (c.body_a != ground) wrenches[c.body_a] += system.closure_rows[k].a * (sign * lambda[k]);
+      if (c.body_b != ground) wrenches[c.body_b] += system.closure_rows[k].b * (sign * lambda[k]);
+    }
+}
+
 }  // namespace
+
+template <class S>
+void add_closure_reactions(const System<S>& system, const std::vector<S>& lambda, RightHandSide<S>& rhs) {
+  add_closure_wrenches(system, lambda, S(1.0), rhs.force);
+  for (const Coupler& c : system.model.closures().couplers)
+    for (const Coupler::Term& term : c.terms) rhs.tau[term.v] += S(term.factor) * lambda[c.row];
+}
+
+template <class S>
+void closure_accelerations(const System<S>& system, const RightHandSide<S>& rhs, const Solution<S>& solution,
+                           std::vector<S>& result) {
+  result = rhs.closure;
+  for (const Closure& c : system.model.closures().closures)
+    for (int k = c.row; k < c.row + c.conditions().count; ++k) {
+      if (c.body_a != ground) result[k] += dot(solution.acceleration[c.body_a], system.closure_rows[k].a);
+      if (c.body_b != ground) result[k] += dot(solution.acceleration[c.body_b], system.closure_rows[k].b);
+    }
+  for (const Coupler& c : system.model.closures().couplers)
+    for (const Coupler::Term& term : c.terms) result[c.row] += S(term.factor) * solution.vdot[term.v];
+}
 
 template <class S>
 void accelerations(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
@@ -33,6 +64,7 @@ template <class S>
 void wrenches(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   const int n = system.model.bodies();
   for (int i = 0; i < n; ++i) solution.wrench[i] = system.bodies[i].inertia * solution.acceleration[i] - rhs.force[i];
+  if (system.model.has_closures()) add_closure_wrenches(system, solution.lambda, S(-1.0), solution.wrench);
   for (int i = n - 1; i >= 0; --i)
     if (const int p = system.model.link(i).parent; p != ground)
       solution.wrench[p] += moved_inward(system.bodies[i].r, solution.wrench[i]);
@@ -57,6 +89,8 @@ void inverse_dynamics(const System<S>& system, Solution<S>& solution, std::vecto
              system.rhs.tau[k];
     if (model.armature()[k] != 0) tau[k] += S(model.armature()[k]) * solution.vdot[k];
   }
+  for (const Coupler& c : model.closures().couplers)
+    for (const Coupler::Term& term : c.terms) tau[term.v] -= S(term.factor) * solution.lambda[c.row];
 }
 
 template <class S>
@@ -78,8 +112,14 @@ void residual(const System<S>& system, const RightHandSide<S>& rhs, const Soluti
       if (model.armature()[k] != 0) result.tau[k] -= S(model.armature()[k]) * solution.vdot[k];
     }
   }
+  if (!model.has_closures()) return;
+  add_closure_reactions(system, solution.lambda, result);
+  closure_accelerations(system, rhs, solution, result.closure);
 }
 
+template void add_closure_reactions(const System<double>&, const std::vector<double>&, RightHandSide<double>&);
+template void closure_accelerations(const System<double>&, const RightHandSide<double>&, const Solution<double>&,
+                                    std::vector<double>&);
 template void accelerations(const System<double>&, const RightHandSide<double>&, Solution<double>&);
 template void bias_accelerations(const System<double>&, const RightHandSide<double>&, Solution<double>&);
 template void wrenches(const System<double>&, const RightHandSide<double>&, Solution<double>&);
@@ -88,6 +128,10 @@ template void inverse_dynamics(const System<double>&, Solution<double>&, std::ve
 template void residual(const System<double>&, const RightHandSide<double>&, const Solution<double>&,
                        RightHandSide<double>&);
 
+template void add_closure_reactions(const System<long double>&, const std::vector<long double>&,
+                                    RightHandSide<long double>&);
+template void closure_accelerations(const System<long double>&, const RightHandSide<long double>&,
+                                    const Solution<long double>&, std::vector<long double>&);
 template void accelerations(const System<long double>&, const RightHandSide<long double>&, Solution<long double>&);
 template void bias_accelerations(const System<long double>&, const RightHandSide<long double>&, Solution<long double>&);
 template void wrenches(const System<long double>&, const RightHandSide<long double>&, Solution<long double>&);
@@ -96,6 +140,9 @@ template void inverse_dynamics(const System<long double>&, Solution<long double>
 template void residual(const System<long double>&, const RightHandSide<long double>&, const Solution<long double>&,
                        RightHandSide<long double>&);
 
+template void add_closure_reactions(const System<Count>&, const std::vector<Count>&, RightHandSide<Count>&);
+template void closure_accelerations(const System<Count>&, const RightHandSide<Count>&, const Solution<Count>&,
+                                    std::vector<Count>&);
 template void accelerations(const System<Count>&, const RightHandSide<Count>&, Solution<Count>&);
 template void bias_accelerations(const System<Count>&, const RightHandSide<Count>&, Solution<Count>&);
 template void wrenches(const System<Count>&, const RightHandSide<Count>&, Solution<Count>&);

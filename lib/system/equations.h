@@ -13,20 +13,30 @@ void accelerations(const System<S>& system, const RightHandSide<S>& rhs, Solutio
 template <class S>
 void bias_accelerations(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
 
-/// f̂ from â by eq. 3 with (4), leaf to root. O(n).
+/// f̂ from â and λ by eq. 3 with (4), leaf to root. O(n).
 template <class S>
 void wrenches(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
+
+/// Adds what multipliers λ do, G_sᵀ λ on bodies and G_ηᵀ λ on velocities, to the loads of eq. 14.
+template <class S>
+void add_closure_reactions(const System<S>& system, const std::vector<S>& lambda, RightHandSide<S>& rhs);
+
+/// G_s â + G_η η̇ + γ̿ of every closure row: zero for a solution.
+template <class S>
+void closure_accelerations(const System<S>& system, const RightHandSide<S>& rhs, const Solution<S>& solution,
+                           std::vector<S>& result);
 
 /// Forces of the prescribed freedoms from f̂.
 template <class S>
 void drive_forces(const System<S>& system, Solution<S>& solution);
 
-/// Inverse dynamics: the τ beyond the passive forces in rhs.tau that makes solution.vdot the answer. Fills â, f̂ and the
-/// drive forces, too. O(n).
+/// Inverse dynamics: the τ beyond the passive forces in rhs.tau that makes solution.vdot the answer under the
+/// multipliers solution.lambda. Fills â, f̂ and the drive forces, too. O(n).
 template <class S>
 void inverse_dynamics(const System<S>& system, Solution<S>& solution, std::vector<S>& tau);
 
-/// Right-hand side minus left-hand side of eq. 14: (3), (8) with the sign of ā^rel, (12). O(n).
+/// Right-hand side minus left-hand side of eq. 14: (3), (8) with the sign of ā^rel, (12); of the closure rows the
+/// accelerations that are left. The answer to the residual as right-hand side is the correction of the solution. O(n).
 template <class S>
 void residual(const System<S>& system, const RightHandSide<S>& rhs, const Solution<S>& solution,
               RightHandSide<S>& result);

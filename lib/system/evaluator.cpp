@@ -1,5 +1,7 @@
 #include "lib/system/evaluator.h"
 
+#include "lib/system/closure_rows.h"
+
 namespace lanc {
 
 template <class S>
@@ -98,6 +100,7 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
   if (!model.springs().empty()) apply_springs();
   for (const ConstantWrench& w : model.wrenches()) system_.rhs.force[w.body] += cast<S>(w.wrench);
   for (const auto& w : loads.wrenches) system_.rhs.force[w.body] += w.wrench;
+  if (model.has_closures()) close_loops(state);
   return system_;
 }
 
@@ -161,6 +164,81 @@ void Evaluator<S>::apply_springs() {
     const Vec3<S> pull = u * (S(spring.stiffness) * (length - S(spring.rest_length)) + S(spring.damping) * rate);
     apply_point_force(spring.body_a, a.arm, pull);
     apply_point_force(spring.body_b, b.arm, -pull);
+  }
+}
+
+namespace {
+
+/// Frame on a body (reference point at `position`, twist `v`) that the model gives in the body's joint axes.
+template <class S>
+closure::Frame<S> frame_on_body(const Mat3<S>& R, const Vec3<S>& position, const Motion<S>& v, const Mat3<double>& axes,
+                                const Vec3<double>& point) {
+  const Vec3<S> arm = R * cast<S>(point), turn = cross(v.angular, arm);
+  const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
+  return {R * cast<S>(axes), arm, position + arm, v.angular, v.linear + turn, {none, cross(v.angular, turn)}};
+}
+
+/// Moves frame A by the prescribed motion of a joint with one freedom, as (5), (7) and (9) do for a tree joint.
+template <class S, class Joint>
+void move_frame(closure::Frame<S>& A, double pitch, const MotionSample& motion) {
+  const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
+  JointStep<S> step{.F = A.axes, .pitch = pitch, .displacement = none, .angular = none, .linear = none};
+  Motion<S> C{none, none};
+  const S position(motion.position), velocity(motion.velocity);
+  Joint::move(&position, &velocity, step, &C);
+  const Vec3<S>&w = A.angular, &r = step.displacement, &u = step.linear;
+  A.bias.angular += cross(w, step.angular) + C.angular * S(motion.acceleration);
+  A.bias.linear += cross(w, cross(w, r)) + cross(w, u) * S(2.0) + C.linear * S(motion.acceleration);
+  A.linear += cross(w, r) + u;
+  A.angular += step.angular;
+  A.axes = step.R;
+  A.arm += r, A.position += r;
+}
+
+}  // namespace
+
+/// Rows of all closures: g, ġ, G_a, G_b and γ̿.
+template <class S>
+void Evaluator<S>::close_loops(const State<S>& state) {
+  static constexpr auto movers = for_each_joint_kind([]<class Joint>() {
+    if constexpr (Joint::traits.nv == 1)
+      return &move_frame<S, Joint>;
+    else
+      return static_cast<void (*)(closure::Frame<S>&, double, const MotionSample&)>(nullptr);
+  });
+  const ClosureSet& set = system_.model.closures();
+  system_.state = state;
+  positions();
+  twists();
+  const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
+  const auto frame = [&](int body, const Mat3<double>& axes, const Vec3<double>& point) {
+    return body == ground ? frame_on_body(identity3<S>(), none, Motion<S>{none, none}, axes, point)
+                          : frame_on_body(frames_[body].R, positions_[body], twists_[body], axes, point);
+  };
+  for (const Closure& c : set.closures) {
+    closure::Frame<S> A = frame(c.body_a, c.axes_a, c.point_a);
+    const closure::Frame<S> B = frame(c.body_b, c.axes_b, c.point_b);
+    MotionSample motion{c.length, 0, 0};
+    if (c.motion >= 0) motion = set.motions[c.motion]->at(state.t);
+    const ClosureTraits& traits = c.kind.traits();
+    if (c.motion >= 0 && !traits.has_length) movers[traits.joint->index](A, c.pitch, motion);
+    const Conditions& conditions = c.conditions();
+    for (int k = 0; k < conditions.count; ++k) {
+      const closure::Row<S> row = closure::condition(conditions.rows[k], A, B, S(c.pitch), motion);
+      system_.closure_rows[c.row + k] = {row.a, row.b, row.value, row.rate};
+      system_.rhs.closure[c.row + k] = row.bias;
+    }
+  }
+  for (const Coupler& c : set.couplers) {
+    MotionSample motion;
+    if (c.motion >= 0) motion = set.motions[c.motion]->at(state.t);
+    S g(-c.offset - motion.position), rate(-motion.velocity);
+    for (const Coupler::Term& term : c.terms) {
+      g += S(term.factor) * state.q[term.q];
+      rate += S(term.factor) * state.v[term.v];
+    }
+    system_.closure_rows[c.row] = {{none, none}, {none, none}, g, rate};
+    system_.rhs.closure[c.row] = S(-motion.acceleration);
   }
 }
 

@@ -36,6 +36,7 @@ class Evaluator {
   void sample_motions(double t);
   void apply_passive(const State<S>& state);
   void apply_springs();
+  void close_loops(const State<S>& state);
   void apply_point_force(int body, const Vec3<S>& arm, const Vec3<S>& force);
 
   System<S> system_;

@@ -5,16 +5,18 @@ namespace lanc::joints {
 
 /// Turns about and slides along one axis: q = (angle, travel), v = their rates.
 struct Cylindrical {
-  static constexpr JointTraits traits{.name = "cylindrical",
-                                      .nq = 2,
-                                      .nv = 2,
-                                      .axes = JointAxes::one,
-                                      .moves_origin = true,
-                                      .columns = {ColumnKind::rotation, ColumnKind::translation},
-                                      .q_names = {"angle", "travel"},
-                                      .q_units = {"rad", "m"},
-                                      .v_names = {"angle_rate", "travel_rate"},
-                                      .v_units = {"rad/s", "m/s"}};
+  static constexpr JointTraits traits{
+      .name = "cylindrical",
+      .nq = 2,
+      .nv = 2,
+      .axes = JointAxes::one,
+      .moves_origin = true,
+      .columns = {ColumnKind::rotation, ColumnKind::translation},
+      .q_names = {"angle", "travel"},
+      .q_units = {"rad", "m"},
+      .v_names = {"angle_rate", "travel_rate"},
+      .v_units = {"rad/s", "m/s"},
+      .closure = {4, {conditions::x, conditions::y, conditions::tilt_x, conditions::tilt_y}, "z"}};
   static constexpr bool has_column_rate = false;
 
   template <class S>

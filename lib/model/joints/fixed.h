@@ -5,7 +5,11 @@ namespace lanc::joints {
 
 /// Weld: no freedom. The body stays a body of its own, so its wrench is an output like any other.
 struct Fixed {
-  static constexpr JointTraits traits{.name = "fixed"};
+  static constexpr JointTraits traits{.name = "fixed",
+                                      .closure = {6,
+                                                  {conditions::x, conditions::y, conditions::z, conditions::turn_x,
+                                                   conditions::turn_y, conditions::turn_z},
+                                                  "xyz"}};
   static constexpr bool has_column_rate = false;
 
   template <class S>

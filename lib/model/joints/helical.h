@@ -15,7 +15,11 @@ struct Helical {
                                       .q_names = {"angle"},
                                       .q_units = {"rad"},
                                       .v_names = {"angle_rate"},
-                                      .v_units = {"rad/s"}};
+                                      .v_units = {"rad/s"},
+                                      .closure = {5,
+                                                  {conditions::x, conditions::y, conditions::tilt_x, conditions::tilt_y,
+                                                   Condition{ConditionKind::screw, 0, 0, "screw"}},
+                                                  "z"}};
   static constexpr bool has_column_rate = false;
 
   template <class S>

@@ -14,6 +14,7 @@
 #include <array>
 #include <string_view>
 
+#include "lib/model/closures/condition.h"
 #include "lib/spatial/spatial.h"
 
 namespace lanc {
@@ -31,6 +32,7 @@ struct JointTraits {
   std::array<ColumnKind, 6> columns{};
   std::array<std::string_view, 7> q_names{}, q_units{};
   std::array<std::string_view, 6> v_names{}, v_units{};
+  Conditions closure{};  // what it takes away, for joints that close a loop (frames A and B: those of the joint)
 
   /// Velocities are the rates of the coordinates: β̇ = η, so that springs, rest positions and motions make sense.
   bool rates_are_velocities() const { return quaternion < 0; }

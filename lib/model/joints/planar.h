@@ -15,7 +15,8 @@ struct Planar {
       .q_names = {"x", "y", "angle"},
       .q_units = {"m", "m", "rad"},
       .v_names = {"x_rate", "y_rate", "angle_rate"},
-      .v_units = {"m/s", "m/s", "rad/s"}};
+      .v_units = {"m/s", "m/s", "rad/s"},
+      .closure = {3, {conditions::z, conditions::tilt_x, conditions::tilt_y}, "z"}};
   static constexpr bool has_column_rate = false;
 
   template <class S>

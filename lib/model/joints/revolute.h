@@ -5,15 +5,17 @@ namespace lanc::joints {
 
 /// Hinge: q = angle (rad), v = its rate; C = [z; 0].
 struct Revolute {
-  static constexpr JointTraits traits{.name = "revolute",
-                                      .nq = 1,
-                                      .nv = 1,
-                                      .axes = JointAxes::one,
-                                      .columns = {ColumnKind::rotation},
-                                      .q_names = {"angle"},
-                                      .q_units = {"rad"},
-                                      .v_names = {"angle_rate"},
-                                      .v_units = {"rad/s"}};
+  static constexpr JointTraits traits{
+      .name = "revolute",
+      .nq = 1,
+      .nv = 1,
+      .axes = JointAxes::one,
+      .columns = {ColumnKind::rotation},
+      .q_names = {"angle"},
+      .q_units = {"rad"},
+      .v_names = {"angle_rate"},
+      .v_units = {"rad/s"},
+      .closure = {5, {conditions::x, conditions::y, conditions::z, conditions::tilt_x, conditions::tilt_y}, "z"}};
   static constexpr bool has_column_rate = false;
 
   template <class S>

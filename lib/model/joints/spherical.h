@@ -14,7 +14,8 @@ struct Spherical {
                                       .q_names = {"qw", "qx", "qy", "qz"},
                                       .q_units = {"1", "1", "1", "1"},
                                       .v_names = {"wx", "wy", "wz"},
-                                      .v_units = {"rad/s", "rad/s", "rad/s"}};
+                                      .v_units = {"rad/s", "rad/s", "rad/s"},
+                                      .closure = {3, {conditions::x, conditions::y, conditions::z}}};
   static constexpr bool has_column_rate = false;  // Ċ η = ω_rel × ω_rel = 0
 
   template <class S>

@@ -5,15 +5,18 @@ namespace lanc::joints {
 
 /// Cardan joint: first angle about the predecessor's axis z, second about the successor's axis x (perpendicular to it).
 struct Universal {
-  static constexpr JointTraits traits{.name = "universal",
-                                      .nq = 2,
-                                      .nv = 2,
-                                      .axes = JointAxes::two,
-                                      .columns = {ColumnKind::rotation, ColumnKind::rotation},
-                                      .q_names = {"first_angle", "second_angle"},
-                                      .q_units = {"rad", "rad"},
-                                      .v_names = {"first_angle_rate", "second_angle_rate"},
-                                      .v_units = {"rad/s", "rad/s"}};
+  static constexpr JointTraits traits{
+      .name = "universal",
+      .nq = 2,
+      .nv = 2,
+      .axes = JointAxes::two,
+      .columns = {ColumnKind::rotation, ColumnKind::rotation},
+      .q_names = {"first_angle", "second_angle"},
+      .q_units = {"rad", "rad"},
+      .v_names = {"first_angle_rate", "second_angle_rate"},
+      .v_units = {"rad/s", "rad/s"},
+      .closure = {4,
+                  {conditions::x, conditions::y, conditions::z, Condition{ConditionKind::perpendicular, 2, 0, "ry"}}}};
   static constexpr bool has_column_rate = true;
 
   template <class S>

@@ -1,0 +1,270 @@
+#include "lib/closure/rank.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <limits>
+
+#include "lib/closure/components.h"
+#include "lib/closure/curvature.h"
+#include "lib/closure/scaling.h"
+#include "lib/system/closure_jacobian.h"
+#include "lib/system/equations.h"
+
+namespace lanc {
+
+namespace {
+
+/// The rows of loops that hang together.
+struct Block {
+  ClosureComponent part;
+  Eigen::MatrixXd G;  // scaled
+  Eigen::MatrixXd U;  // left singular vectors, all of them
+  Eigen::VectorXd sigma;
+  int rank = 0;
+};
+
+}  // namespace
+
+template <class S>
+struct ClosureRank<S>::Work {
+  Model model;
+  ClosureScaling scaling;
+  ClosureJacobian<S> jacobian;
+  std::vector<Block> blocks;
+  Solution<S> at_rest;
+  std::vector<S> bias;
+  ClosureDecision decision;
+  std::unique_ptr<ClosureCurvature> curvature;
+  int constant_rank = -1;  // the largest rank seen where it does not vary, or −1
+
+  explicit Work(const Model& m) : model(m), scaling(m), jacobian(m), at_rest(m) {
+    for (ClosureComponent& part : closure_components(jacobian.starts(), jacobian.columns(), m.nv())) {
+      Block block;
+      block.G.setZero(part.rows.size(), part.columns.size());
+      block.part = std::move(part);
+      blocks.push_back(std::move(block));
+    }
+    decision.independent.resize(m.closures().rows());
+    decision.correction.resize(m.closures().rows());
+  }
+
+  void fill(Block& block) const {
+    for (int r = 0; r < static_cast<int>(block.part.rows.size()); ++r) {
+      const int k = block.part.rows[r];
+      for (int p = jacobian.starts()[k]; p < jacobian.starts()[k + 1]; ++p) {
+        const int c = jacobian.columns()[p];
+        block.G(r, block.part.local_column(c)) = to_double(jacobian.values()[p]) * scaling.row[k] * scaling.column[c];
+      }
+    }
+  }
+
+  void decompose(Block& block) const {
+    if (block.G.cols() == 0) {
+      block.U.setIdentity(block.G.rows(), block.G.rows());
+      block.sigma.resize(0);
+      return;
+    }
+    const Eigen::BDCSVD<Eigen::MatrixXd> svd(block.G, Eigen::ComputeFullU);
+    block.U = svd.matrixU();
+    block.sigma = svd.singularValues();
+  }
+
+  /// Rank of every block: singular values above the threshold, or the given number of largest ones of all.
+  void choose_rank(RankPolicy policy) {
+    std::vector<double> all;
+    for (const Block& block : blocks)
+      all.insert(all.end(), block.sigma.data(), block.sigma.data() + block.sigma.size());
+    std::sort(all.begin(), all.end(), std::greater<>());
+    const double unit = all.empty() ? 1 : std::max(1.0, all[0]);
+    double threshold = zero_singular_value * unit;
+    if (!policy.automatic())
+      threshold = policy.rank == 0                             ? std::numeric_limits<double>::infinity()
+                  : policy.rank > static_cast<int>(all.size()) ? 0
+                                                               : all[policy.rank - 1];
+    decision.rank = 0;
+    for (Block& block : blocks) {
+      block.rank = 0;
+      for (const double s : block.sigma) block.rank += s >= threshold && s > 0;
+      decision.rank += block.rank;
+    }
+    decision.redundant = model.closures().rows() - decision.rank;
+    decision.sigma = decision.rank > 0 ? all[decision.rank - 1] : 0;
+    decision.next_sigma = decision.rank < static_cast<int>(all.size()) ? all[decision.rank] : 0;
+    decision.near_singular = decision.rank > 0 && decision.sigma < clear_singular_value * unit;
+  }
+
+  void select_rows(const Block& block) {
+    const int m = static_cast<int>(block.part.rows.size());
+    if (block.rank == m) {
+      for (const int k : block.part.rows) decision.independent[k] = true;
+      return;
+    }
+    for (const int k : block.part.rows) decision.independent[k] = false;
+    if (block.rank == 0) return;
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(block.G.transpose());
+    for (int r = 0; r < block.rank; ++r)
+      decision.independent[block.part.rows[qr.colsPermutation().indices()[r]]] = true;
+  }
+
+  /// The part of γ̿ outside the range of G, by block.
+  void split_bias(const System<S>& system) {
+    bias_accelerations(system, system.rhs, at_rest);  // η̇ = 0
+    closure_accelerations(system, system.rhs, at_rest, bias);
+    double size = 0, worst = 0;
+    for (int k = 0; k < jacobian.rows(); ++k) size = std::max(size, bias_size(system, k) * scaling.row[k]);
+    std::fill(decision.correction.begin(), decision.correction.end(), 0.0);
+    for (const Block& block : blocks) {
+      const int m = static_cast<int>(block.part.rows.size());
+      if (block.rank == m) continue;
+      Eigen::VectorXd gamma(m);
+      for (int r = 0; r < m; ++r) gamma[r] = to_double(bias[block.part.rows[r]]) * scaling.row[block.part.rows[r]];
+      const auto U0 = block.U.rightCols(m - block.rank);
+      const Eigen::VectorXd rest = U0 * (U0.transpose() * gamma);
+      for (int r = 0; r < m; ++r) {
+        const int k = block.part.rows[r];
+        decision.correction[k] = -rest[r] / scaling.row[k];
+        if (std::abs(rest[r]) > worst) worst = std::abs(rest[r]), decision.worst_row = k;
+      }
+    }
+    decision.contradiction = worst > 0 ? worst / size : 0;
+  }
+
+  /// What γ̿ of row k is made of, every term positive.
+  double bias_size(const System<S>& system, int k) const {
+    const auto length = [](const Vec3<S>& a) { return std::sqrt(to_double(dot(a, a))); };
+    double size = std::abs(to_double(system.rhs.closure[k]));
+    if (k >= model.closures().body_rows) return size;
+    const Closure& c = closure_of_row(k);
+    for (const auto& [body, row] :
+         {std::pair{c.body_a, system.closure_rows[k].a}, std::pair{c.body_b, system.closure_rows[k].b}})
+      if (body != ground)
+        size += length(row.moment) * length(at_rest.acceleration[body].angular) +
+                length(row.force) * length(at_rest.acceleration[body].linear);
+    return size;
+  }
+
+  const Closure& closure_of_row(int k) const {
+    const auto& closures = model.closures().closures;
+    const auto after =
+        std::upper_bound(closures.begin(), closures.end(), k, [](int row, const Closure& c) { return row < c.row; });
+    return *std::prev(after);
+  }
+
+  void check_state(const System<S>& system) {
+    decision.position_violation = decision.velocity_violation = 0;
+    double speed = 1;
+    for (int k = 0; k < model.nv(); ++k)
+      speed = std::max(speed, std::abs(to_double(system.state.v[k])) / scaling.column[k]);
+    for (int k = 0; k < jacobian.rows(); ++k) {
+      const auto& row = system.closure_rows[k];
+      const double g = std::abs(to_double(row.g)) * scaling.row[k];
+      const double rate = std::abs(to_double(row.rate)) * scaling.row[k] / speed;
+      if (std::max(g, rate) > std::max(decision.position_violation, decision.velocity_violation))
+        decision.worst_row = k;
+      decision.position_violation = std::max(decision.position_violation, g);
+      decision.velocity_violation = std::max(decision.velocity_violation, rate);
+    }
+  }
+
+  /// Whether neighbouring states have a larger rank. Known once it was found constant somewhere on the branch.
+  void judge_rank(const System<S>& system) {
+    decision.varying_rank = false;
+    if (decision.redundant == 0 || decision.rank == constant_rank) return;
+    if (decision.rank < constant_rank) {
+      decision.varying_rank = true;
+      return;
+    }
+    if (!curvature) curvature = std::make_unique<ClosureCurvature>(model);
+    State<double> state{system.state.t, {}, {}};
+    for (const S& q : system.state.q) state.q.push_back(to_double(q));
+    constexpr int trials = 3;
+    for (int trial = 0; trial < trials && !decision.varying_rank; ++trial)
+      decision.varying_rank = leaves_range((*curvature)(state, kernel_direction(trial)));
+    if (!decision.varying_rank) constant_rank = decision.rank;
+  }
+
+  /// Some direction in the kernel of G, its largest component 1.
+  std::vector<double> kernel_direction(int trial) const {
+    Eigen::VectorXd xi(model.nv());
+    for (int k = 0; k < model.nv(); ++k) xi[k] = std::sin(1.0 + 0.7 * k * k + 2.3 * trial * (k + 1));  // any will do
+    for (const Block& block : blocks) {  // ξ − V_r V_rᵀ ξ with V_r = Gᵀ U_r Σ_r⁻¹
+      Eigen::VectorXd part = xi(block.part.columns);
+      const auto U = block.U.leftCols(block.rank);
+      const Eigen::VectorXd inverse = block.sigma.head(block.rank).cwiseInverse().cwiseAbs2();
+      for (int twice = 0; twice < 2; ++twice)
+        part -= block.G.transpose() * (U * inverse.cwiseProduct(U.transpose() * (block.G * part)));
+      xi(block.part.columns) = part;
+    }
+    if (const double largest = xi.lpNorm<Eigen::Infinity>(); largest > 0) xi /= largest;
+    std::vector<double> v(model.nv());
+    for (int k = 0; k < model.nv(); ++k) v[k] = xi[k] * scaling.column[k];
+    return v;
+  }
+
+  bool leaves_range(const std::vector<double>& rows) const {
+    constexpr double rounding = 1e-6;
+    for (const Block& block : blocks) {
+      const int m = static_cast<int>(block.part.rows.size());
+      if (block.rank == m) continue;
+      Eigen::VectorXd scaled(m);
+      for (int r = 0; r < m; ++r) scaled[r] = rows[block.part.rows[r]] * scaling.row[block.part.rows[r]];
+      if ((block.U.rightCols(m - block.rank).transpose() * scaled).lpNorm<Eigen::Infinity>() > rounding) return true;
+    }
+    return false;
+  }
+};
+
+template <class S>
+ClosureRank<S>::ClosureRank(const Model& model) : work_(std::make_unique<Work>(model)) {}
+template <class S>
+ClosureRank<S>::~ClosureRank() = default;
+
+template <class S>
+const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolicy policy) {
+  Work& work = *work_;
+  ClosureDecision& decision = work.decision;
+  decision.worst_row = -1;
+  work.jacobian.evaluate(system);
+  for (Block& block : work.blocks) work.fill(block), work.decompose(block);
+  work.choose_rank(policy);
+  for (const Block& block : work.blocks) work.select_rows(block);
+  work.split_bias(system);
+  if (policy.automatic()) work.check_state(system), work.judge_rank(system);
+  return decision;
+}
+
+template <class S>
+const ClosureDecision& ClosureRank<S>::decision() const {
+  return work_->decision;
+}
+
+template <class S>
+void ClosureRank<S>::minimum_norm(std::vector<S>& lambda) const {
+  for (const Block& block : work_->blocks) {
+    const int m = static_cast<int>(block.part.rows.size());
+    if (block.rank == m) continue;
+    const std::vector<double>& scale = work_->scaling.row;
+    std::vector<S> scaled(m), result(m, S(0.0));
+    for (int r = 0; r < m; ++r) scaled[r] = lambda[block.part.rows[r]] / S(scale[block.part.rows[r]]);
+    for (int c = 0; c < block.rank; ++c) {
+      S along(0.0);
+      for (int r = 0; r < m; ++r) along += S(block.U(r, c)) * scaled[r];
+      for (int r = 0; r < m; ++r) result[r] += S(block.U(r, c)) * along;
+    }
+    for (int r = 0; r < m; ++r) lambda[block.part.rows[r]] = result[r] * S(scale[block.part.rows[r]]);
+  }
+}
+
+template <class S>
+double ClosureRank<S>::largest(const std::vector<S>& rows) const {
+  double result = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    if (const double x = std::abs(to_double(rows[k])) * work_->scaling.row[k]; !(x <= result)) result = x;
+  return result;
+}
+
+template class ClosureRank<double>;
+template class ClosureRank<long double>;
+template class ClosureRank<Count>;
+
+}  // namespace lanc

@@ -1,0 +1,109 @@
+#include "lib/io/four_bars.h"
+
+namespace lanc {
+namespace {
+
+/// A rod of 1 kg from its reference point to `tip`, 0.1 m thick.
+BodySpec rod(std::string name, const Eigen::Vector3d& tip) {
+  BodySpec body;
+  body.name = std::move(name);
+  body.mass = 1;
+  body.com = tip / 2;
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() * tip.squaredNorm() - tip * tip.transpose();
+  body.inertia = across / 12 + tip * tip.transpose() * (0.00125 / tip.squaredNorm());
+  return body;
+}
+
+JointSpec hinge(std::string name, std::string parent, std::string body, const Eigen::Vector3d& position) {
+  JointSpec joint;
+  joint.name = std::move(name);
+  joint.kind = *find_joint_kind("revolute");
+  joint.parent = std::move(parent);
+  joint.body = std::move(body);
+  joint.frame.position = position;
+  joint.axis = Eigen::Vector3d::UnitY();
+  return joint;
+}
+
+/// Collects rods with their hinges, and the angle and rate each hinge has.
+struct Assembly {
+  FourBarOptions options;
+  ModelSpec spec;
+  std::vector<double> q, v;
+
+  explicit Assembly(const FourBarOptions& o, const std::string& name) : options(o) {
+    spec.name = name;
+    spec.gravity = {0, 0, -o.gravity};
+    spec.length = 1;
+  }
+  /// sign: +1 leans with the uprights, −1 makes up for it.
+  void add(const BodySpec& body, const std::string& parent, const Eigen::Vector3d& position, double sign) {
+    spec.bodies.push_back(body);
+    spec.joints.push_back(hinge("j_" + body.name, parent, body.name, position));
+    q.push_back(sign * options.angle), v.push_back(sign * options.rate);
+  }
+  void upright(const std::string& name, const std::string& parent, double x) {
+    add(rod(name, Eigen::Vector3d::UnitZ()), parent, {x, 0, 0}, 1);
+  }
+  /// The upright that closes a loop: whole, or a lower half with the upper half hanging on the coupler.
+  void closing_upright(const std::string& name, const std::string& parent, double x, const std::string& coupler) {
+    ClosureSpec closure;
+    closure.body_a = coupler;
+    closure.name = "close_" + name;
+    if (!options.six_rows) {
+      upright(name, parent, x);
+      closure.kind = *find_closure_kind("point-on-point");
+      closure.body_b = name;
+      closure.frame_a.position = Eigen::Vector3d::UnitX();
+      closure.frame_b.position = Eigen::Vector3d::UnitZ();
+    } else {
+      const Eigen::Vector3d half = Eigen::Vector3d::UnitZ() / 2;
+      BodySpec lower = rod(name, half), upper = rod(name + "_upper", -half);
+      lower.mass = upper.mass = 0.5;
+      lower.inertia /= 2, upper.inertia /= 2;
+      add(lower, parent, {x, 0, 0}, 1);
+      add(upper, coupler, Eigen::Vector3d::UnitX(), 1);
+      closure.kind = *find_closure_kind("fixed");
+      closure.body_a = name;
+      closure.body_b = upper.name;
+      closure.frame_a.position = half;
+      closure.frame_b.position = -half;
+    }
+    spec.closures.push_back(closure);
+  }
+  void coupler(const std::string& name, const std::string& upright) {
+    add(rod(name, Eigen::Vector3d::UnitX()), upright, Eigen::Vector3d::UnitZ(), -1);
+  }
+  Mechanism mechanism() {
+    // Model::build keeps the order: parents come before children here
+    return {Model::build(spec), {0, q, v}};
+  }
+};
+
+}  // namespace
+
+Mechanism four_bar_ladder(const FourBarOptions& options, const std::string& name) {
+  Assembly a(options, name);
+  a.upright("u0", "", 0);
+  for (int i = 1; i <= options.loops; ++i) {
+    const std::string number = std::to_string(i), coupler = "c" + number;
+    a.coupler(coupler, "u" + std::to_string(i - 1));
+    a.closing_upright("u" + number, "", i, coupler);
+  }
+  return a.mechanism();
+}
+
+Mechanism four_bar_chain(const FourBarOptions& options, const std::string& name) {
+  Assembly a(options, name);
+  std::string base;
+  for (int i = 1; i <= options.loops; ++i) {
+    const std::string number = std::to_string(i), coupler = "c" + number;
+    a.upright("l" + number, base, 0);
+    a.coupler(coupler, "l" + number);
+    a.closing_upright("r" + number, base, 1, coupler);
+    base = coupler;
+  }
+  return a.mechanism();
+}
+
+}  // namespace lanc

@@ -1,0 +1,122 @@
+// Closure conditions and their exact derivatives: g, ġ, G_a, G_b and γ̿ of every row (theory, section 2).
+//
+// A condition is a formula in two primitives, the product of an axis of A with an axis of B and the place of B's origin
+// along an axis of A. A Row carries value and derivatives through the formula, on and off the manifold, so that no
+// derivative is written down twice.
+#pragma once
+
+#include "lib/system/system.h"
+
+namespace lanc::closure {
+
+/// Frame A or B at one instant, world axes: fixed on its body, or moved on it by a prescribed motion.
+template <class S>
+struct Frame {
+  Mat3<S> axes;
+  Vec3<S> arm;       // from the body's reference point to the origin
+  Vec3<S> position;  // of the origin
+  Vec3<S> angular;   // angular velocity of the frame
+  Vec3<S> linear;    // velocity of the origin
+  Motion<S> bias;    // acceleration of the frame and its origin while â of the body is zero
+};
+
+/// A function f of two bodies' poses and time: ḟ = rate, f̈ = a·â_a + b·â_b + bias.
+template <class S>
+struct Row {
+  S value;
+  Wrench<S> a, b;
+  S rate, bias;
+
+  friend Row operator+(const Row& f, const Row& g) {
+    return {f.value + g.value, f.a + g.a, f.b + g.b, f.rate + g.rate, f.bias + g.bias};
+  }
+  friend Row operator-(const Row& f, const Row& g) { return f + g * S(-1.0); }
+  friend Row operator*(const Row& f, const S& s) { return {f.value * s, f.a * s, f.b * s, f.rate * s, f.bias * s}; }
+  friend Row operator*(const Row& f, const Row& g) {
+    const auto mix = [](const auto& x, const auto& y, const S& fx, const S& gy) { return x * gy + y * fx; };
+    return {f.value * g.value, mix(f.a, g.a, f.value, g.value), mix(f.b, g.b, f.value, g.value),
+            mix(f.rate, g.rate, f.value, g.value), mix(f.bias, g.bias, f.value, g.value) + f.rate * g.rate * S(2.0)};
+  }
+  /// h(f) from h, h′ and h″ at f.
+  Row through(const S& h, const S& h1, const S& h2) const {
+    Row r = *this * h1;
+    r.value = h;
+    r.bias += h2 * rate * rate;
+    return r;
+  }
+};
+
+/// u·w for u fixed in A and w fixed in B.
+template <class S>
+Row<S> product(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B, const Vec3<S>& w) {
+  const Vec3<S> s = cross(w, u), none{S(0.0), S(0.0), S(0.0)};
+  const Vec3<S> relative = B.angular - A.angular;
+  const Vec3<S> s_rate = cross(cross(B.angular, w), u) + cross(w, cross(A.angular, u));
+  return {dot(u, w),
+          {-s, none},
+          {s, none},
+          dot(s, relative),
+          dot(s_rate, relative) + dot(s, B.bias.angular - A.bias.angular)};
+}
+
+/// u·(p_B − p_A) for u fixed in A.
+template <class S>
+Row<S> along(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B) {
+  const Vec3<S> d = B.position - A.position, d_rate = B.linear - A.linear, u_rate = cross(A.angular, u);
+  return {dot(u, d),
+          {-cross(d + A.arm, u), -u},
+          {cross(B.arm, u), u},
+          dot(u, d_rate) + dot(u_rate, d),
+          dot(u, B.bias.linear - A.bias.linear) + dot(u_rate, d_rate) * S(2.0) +
+              dot(cross(A.bias.angular, u) + cross(A.angular, u_rate), d)};
+}
+
+/// |p_B − p_A|; not finite where the points meet.
+template <class S>
+Row<S> distance(const Frame<S>& A, const Frame<S>& B) {
+  const Vec3<S> d = B.position - A.position, d_rate = B.linear - A.linear;
+  const S length = sqrt(dot(d, d)), inverse = S(1.0) / length;
+  const Vec3<S> n = d * inverse;
+  const S rate = dot(n, d_rate);
+  return {length,
+          {-cross(A.arm, n), -n},
+          {cross(B.arm, n), n},
+          rate,
+          dot(n, B.bias.linear - A.bias.linear) + (dot(d_rate, d_rate) - rate * rate) * inverse};
+}
+
+template <class S>
+const Vec3<S>& axis(const Mat3<S>& frame, int i) {
+  return i == 0 ? frame.x : i == 1 ? frame.y : frame.z;
+}
+
+/// One condition as a row. `length` is the distance demanded, with its derivatives.
+template <class S>
+Row<S> condition(const Condition& c, const Frame<S>& A, const Frame<S>& B, const S& pitch, const MotionSample& length) {
+  switch (c.kind) {
+    case ConditionKind::along: return along(A, axis(A.axes, c.i), B);
+    case ConditionKind::perpendicular: return product(A, axis(A.axes, c.i), B, axis(B.axes, c.j));
+    case ConditionKind::turn: {
+      const int j = (c.i + 1) % 3, k = (c.i + 2) % 3;
+      return (product(A, axis(A.axes, k), B, axis(B.axes, j)) - product(A, axis(A.axes, j), B, axis(B.axes, k))) *
+             S(0.5);
+    }
+    case ConditionKind::distance: {
+      Row<S> row = distance(A, B);
+      row.value -= S(length.position), row.rate -= S(length.velocity);
+      row.bias -= S(length.acceleration);
+      return row;
+    }
+    case ConditionKind::screw: {
+      // twice cosine and sine of the angle while the z axes are parallel
+      const Row<S> cosine = product(A, A.axes.x, B, B.axes.x) + product(A, A.axes.y, B, B.axes.y);
+      const Row<S> sine = product(A, A.axes.y, B, B.axes.x) - product(A, A.axes.x, B, B.axes.y);
+      const Row<S> phase = along(A, A.axes.z, B) * (S(1.0) / pitch);
+      const S sn = sin(phase.value), cs = cos(phase.value);
+      return (phase.through(sn, cs, -sn) * cosine - phase.through(cs, -sn, -cs) * sine) * S(0.5);
+    }
+  }
+  return {};
+}
+
+}  // namespace lanc::closure
