@@ -136,6 +136,7 @@ class SchurCholmod final : public Formulation<S> {
 };
 
 std::optional<std::string> objection(const Model& model) {
+  if (model.has_closures()) return "closed loops: this formulation knows the joints of a tree only";
   for (int i = 0; i < model.bodies(); ++i)
     if (const int rank = inertia_rank(model, i); rank < 6)
       return fmt::format("body '{}' has a spatial inertia of rank {}, and maximal coordinates divide by it",
