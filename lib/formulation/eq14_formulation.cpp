@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/closure/scaling.h"
+
 namespace lanc {
 
 Eq14Formulation::Eq14Formulation(const Model& model, const Eq14Settings& settings)
@@ -16,19 +18,28 @@ SparseView Eq14Formulation::view() const {
   return {matrix_.size(), matrix_.starts().data(), matrix_.rows().data(), matrix_.values().data()};
 }
 
-void Eq14Formulation::assemble(const System<double>& system) { matrix_.refill(system); }
+void Eq14Formulation::assemble(const System<double>& system) {
+  if (model().has_closures())
+    matrix_.refill(system, closures().independent);
+  else
+    matrix_.refill(system);
+}
+
+std::string Eq14Formulation::place(int column) const {
+  if (column < 0) return {};
+  if (const int row = matrix_.closure_of_column(column); row >= 0)
+    return fmt::format(" at closure row '{}'", model().closures().row_names[row]);
+  return fmt::format(" at body '{}'", model().spec().bodies[matrix_.body_of_column(column)].name);
+}
 
 Outcome Eq14Formulation::factorise(const System<double>&) {
   const Factorisation end = solver_->factorise(view());
   if (end.result == Factorisation::Result::done) return {};
   if (end.result == Factorisation::Result::failed) return {Status::objection, std::string(end.reason)};
-  const std::string where =
-      end.column < 0 ? std::string()
-                     : fmt::format(" at body '{}'", model().spec().bodies[matrix_.body_of_column(end.column)].name);
   return {Status::singular,
           fmt::format("eq. 14 is singular at this state: a pivot vanished{}; it or what it carries has "
                       "too little inertia for its freedoms",
-                      where)};
+                      place(end.column))};
 }
 
 void Eq14Formulation::substitute(const System<double>&, const RightHandSide<double>& rhs, Solution<double>& solution) {
@@ -65,6 +76,9 @@ std::vector<double> unit_scale(const Model& model, const Eq14Layout& layout) {
     for (int k = 0; k < link.nv; ++k)
       vdot[k] = model.column_kind(link.v + k) == ColumnKind::translation ? 1 / root : 1 / (root * length);
   }
+  const ClosureScaling closures(model);
+  for (int k = 0; k < model.closures().rows(); ++k)
+    scale[matrix.column(k, Block::closure)] = root * power_of_two(model.length() * closures.row[k]);
   return scale;
 }
 

@@ -38,6 +38,8 @@ class Eq14Formulation : public Formulation<double> {
 
  private:
   SparseView view() const;
+  /// " at body 'x'", to be put into a message; empty when the column is not known.
+  std::string place(int column) const;
 
   Eq14Matrix<double> matrix_;
   std::unique_ptr<SparseSolver> solver_;

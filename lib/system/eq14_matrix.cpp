@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "lib/system/closure_jacobian.h"
+
 namespace lanc {
 
 namespace {
@@ -57,6 +59,42 @@ void varying_entries(const Model& model, int i, const typename System<S>::Body& 
   }
 }
 
+/// Conditions on orientations alone: their rows of G_a and G_b have no part for the velocity of the origin.
+constexpr bool only_turns(ConditionKind kind) {
+  return kind == ConditionKind::perpendicular || kind == ConditionKind::turn;
+}
+
+/// Entries of the closure rows: −G_s against â, −G_η against η̇, and the diagonal that stands in for a row that does not
+/// count.
+template <class S, class Put>
+void closure_entries(const Model& model, const std::vector<typename System<S>::ClosureRow>& rows,
+                     std::span<const char> counts, Put&& put) {
+  constexpr Unknown lambda{Block::closure, 0};
+  const S o(0.0), one(1.0);
+  for (const Closure& c : model.closures().closures)
+    for (int i = 0; i < c.conditions().count; ++i) {
+      const int k = c.row + i;
+      const bool on = counts[k];
+      put(lambda, k, lambda, k, on ? o : one);
+      const auto side = [&](int body, const Wrench<S>& G) {
+        if (body == ground) return;
+        const auto entry = [&](Unknown u, const S& value) { put(lambda, k, u, body, on ? -value : o); };
+        entry(angular(0), G.moment.x), entry(angular(1), G.moment.y), entry(angular(2), G.moment.z);
+        if (only_turns(c.conditions().rows[i].kind)) return;
+        entry(linear(0), G.force.x), entry(linear(1), G.force.y), entry(linear(2), G.force.z);
+      };
+      side(c.body_a, rows[k].a), side(c.body_b, rows[k].b);
+    }
+  for (const Coupler& c : model.closures().couplers) {
+    const bool on = counts[c.row];
+    put(lambda, c.row, lambda, c.row, on ? o : one);
+    for (const Coupler::Term& term : c.terms) {
+      const int body = model.body_of_velocity(term.v);
+      put(lambda, c.row, Unknown{Block::velocity, term.v - model.link(body).v}, body, on ? S(-term.factor) : o);
+    }
+  }
+}
+
 /// Values for which every pivot of eq. 18 is positive: unit inertia, no offset, columns along different axes.
 template <class S>
 struct Sample {
@@ -91,7 +129,9 @@ int offset(const BlockOrder& order, Block block, int nv) {
 template <class S>
 std::optional<std::string> Eq14Matrix<S>::objection(const Model& model) {
   // the most a body can have: M 24, ∓1 12, B_ip 24, and C with its transpose 12 and A 1 per freedom
-  const std::int64_t most = 60 * std::int64_t(model.bodies()) + 13 * std::int64_t(model.nv());
+  std::int64_t most = 60 * std::int64_t(model.bodies()) + 13 * std::int64_t(model.nv());
+  most += 25 * std::int64_t(model.closures().body_rows);  // the diagonal, two bodies
+  for (const Coupler& c : model.closures().couplers) most += 1 + 2 * std::int64_t(c.terms.size());
   if (most <= std::numeric_limits<int>::max()) return std::nullopt;
   return fmt::format("the matrix of eq. 14 has up to {:.2g} entries, more than 32-bit indices can address",
                      static_cast<double>(most));
@@ -102,20 +142,77 @@ Eq14Matrix<S>::Eq14Matrix(const Model& model, const Eq14Layout& layout) : model_
   if (const auto why = objection(model)) throw InputError(*why);
   if (layout.upper_triangle && layout.rows != layout.columns)
     throw InputError("half of eq. 14 needs the same order of blocks in rows and columns");
+  if (model.has_closures()) place_closures();
   build();
+}
+
+namespace {
+
+/// The body of the closure's loop that is the last to be met in that order. The bodies on the two branches are numbered
+/// upwards from root to leaf.
+int last_of_loop(const Model& model, const Closure& c, BodyOrder order) {
+  if (order == BodyOrder::root_to_leaf) return std::max(c.body_a, c.body_b);
+  const int until = common_ancestor(model, c.body_a, c.body_b);
+  int last = std::max(c.body_a, c.body_b);
+  for (const int end : {c.body_a, c.body_b})
+    for (int i = end; i != until; i = model.link(i).parent) last = std::min(last, i);
+  return last;
+}
+
+int last_of_terms(const Model& model, const Coupler& c, BodyOrder order) {
+  int last = model.body_of_velocity(c.terms[0].v);
+  for (const Coupler::Term& term : c.terms) {
+    const int body = model.body_of_velocity(term.v);
+    last = order == BodyOrder::root_to_leaf ? std::max(last, body) : std::min(last, body);
+  }
+  return last;
+}
+
+}  // namespace
+
+template <class S>
+void Eq14Matrix<S>::place_closures() {
+  const ClosureSet& set = model_.closures();
+  std::vector<int> behind(set.rows());  // the body a row stands behind
+  for (const Closure& c : set.closures)
+    std::fill_n(behind.begin() + c.row, c.conditions().count, last_of_loop(model_, c, layout_.bodies));
+  for (const Coupler& c : set.couplers) behind[c.row] = last_of_terms(model_, c, layout_.bodies);
+
+  const int n = model_.bodies();
+  std::vector<int> count(n, 0);
+  for (const int body : behind) ++count[body];
+  closures_before_.resize(n);
+  const bool ascending = layout_.bodies == BodyOrder::root_to_leaf;
+  for (int i = 0, before = 0; i < n; ++i) {
+    const int body = ascending ? i : n - 1 - i;
+    closures_before_[body] = before, before += count[body];
+  }
+  std::vector<int> next(n);
+  for (int i = 0; i < n; ++i) next[i] = start(i) + 12 + model_.link(i).nv;
+  closure_place_.resize(set.rows());
+  for (int k = 0; k < set.rows(); ++k) closure_place_[k] = next[behind[k]]++;
+  counts_.assign(set.rows(), true);
 }
 
 /// Bodies are numbered root to leaf; the matrix has them in that order or in its reverse.
 template <class S>
 int Eq14Matrix<S>::start(int body) const {
   const Link& link = model_.link(body);
-  if (layout_.bodies == BodyOrder::root_to_leaf) return 12 * body + link.v;
-  return 12 * (model_.bodies() - 1 - body) + model_.nv() - (link.v + link.nv);
+  const int closures = closures_before_.empty() ? 0 : closures_before_[body];
+  if (layout_.bodies == BodyOrder::root_to_leaf) return 12 * body + link.v + closures;
+  return 12 * (model_.bodies() - 1 - body) + model_.nv() - (link.v + link.nv) + closures;
 }
 
 template <class S>
-int Eq14Matrix<S>::position(const BlockOrder& order, int body, Block block) const {
-  return start(body) + offset(order, block, model_.link(body).nv);
+int Eq14Matrix<S>::position(const BlockOrder& order, int owner, Block block) const {
+  if (block == Block::closure) return closure_place_[owner];
+  return start(owner) + offset(order, block, model_.link(owner).nv);
+}
+
+template <class S>
+int Eq14Matrix<S>::closure_of_column(int column) const {
+  const auto found = std::find(closure_place_.begin(), closure_place_.end(), column);
+  return found == closure_place_.end() ? -1 : static_cast<int>(found - closure_place_.begin());
 }
 
 template <class S>
@@ -133,27 +230,32 @@ int Eq14Matrix<S>::body_of_column(int column) const {
 
 template <class S>
 void Eq14Matrix<S>::build() {
-  // Every pass calls put(row, column, value, varies) for all entries, in the same order.
+  // Every pass calls put(row, column, value, varies) for all entries, in the same order. No closure row of the sample
+  // counts.
+  const int closures = model_.closures().rows();
+  const std::vector<typename System<S>::ClosureRow> open(closures);
+  const std::vector<char> none(closures, false);
   const auto for_all = [&](auto&& put) {
+    const auto pair = [&](bool varies) {
+      return [&, varies](Unknown u, int ub, Unknown w, int wb, const S& value) {
+        const int ur = row(ub, u.block) + u.k, uc = column(ub, u.block) + u.k;
+        const int wr = row(wb, w.block) + w.k, wc = column(wb, w.block) + w.k;
+        const bool diagonal = ub == wb && u.block == w.block && u.k == w.k;
+        if (layout_.upper_triangle) return put(std::min(ur, wr), std::max(uc, wc), value, varies);
+        put(ur, wc, value, varies);
+        if (!diagonal) put(wr, uc, value, varies);
+      };
+    };
     for (int i = 0; i < model_.bodies(); ++i) {
       const Link& link = model_.link(i);
-      const auto pair = [&](bool varies) {
-        return [&, varies](Unknown u, int ub, Unknown w, int wb, const S& value) {
-          const int ur = row(ub, u.block) + u.k, uc = column(ub, u.block) + u.k;
-          const int wr = row(wb, w.block) + w.k, wc = column(wb, w.block) + w.k;
-          const bool diagonal = ub == wb && u.block == w.block && u.k == w.k;
-          if (layout_.upper_triangle) return put(std::min(ur, wr), std::max(uc, wc), value, varies);
-          put(ur, wc, value, varies);
-          if (!diagonal) put(wr, uc, value, varies);
-        };
-      };
       const Sample<S> sample(model_, link);
       constant_entries(i, link, pair(false));
       varying_entries<S>(model_, i, sample.body, sample.columns.data(), pair(true));
     }
+    closure_entries<S>(model_, open, none, pair(true));
   };
 
-  const int n = 12 * model_.bodies() + model_.nv();
+  const int n = 12 * model_.bodies() + model_.nv() + closures;
   starts_.assign(n + 1, 0);
   int varying = 0;
   for_all([&](int, int column, const S&, bool varies) { ++starts_[column + 1], varying += varies; });
@@ -188,12 +290,17 @@ void Eq14Matrix<S>::build() {
 }
 
 template <class S>
-void Eq14Matrix<S>::refill(const System<S>& system) {
+void Eq14Matrix<S>::refill(const System<S>& system, std::span<const char> independent) {
+  if (independent.empty())
+    std::fill(counts_.begin(), counts_.end(), true);
+  else
+    std::copy_n(independent.begin(), counts_.size(), counts_.begin());
   const int* slot = slots_.data();
   S* const values = values_.data();
   const auto run = [&](auto&& put) {
     for (int i = 0; i < model_.bodies(); ++i)
       varying_entries<S>(model_, i, system.bodies[i], system.columns.data() + model_.link(i).v, put);
+    closure_entries<S>(model_, system.closure_rows, counts_, put);
   };
   if (layout_.upper_triangle) {
     run([&](Unknown, int, Unknown, int, const S& value) { values[*slot++] = value; });
@@ -227,6 +334,7 @@ void Eq14Matrix<S>::scatter(const RightHandSide<S>& rhs, std::vector<S>& b) cons
     write(-rhs.bias[i].angular, kinematic), write(-rhs.bias[i].linear, kinematic + 3);
     for (int k = 0; k < link.nv; ++k) joint[k] = rhs.tau[link.v + k];
   }
+  for (std::size_t k = 0; k < closure_place_.size(); ++k) b[closure_place_[k]] = counts_[k] ? rhs.closure[k] : S(0.0);
 }
 
 template <class S>
@@ -240,6 +348,7 @@ void Eq14Matrix<S>::gather(const std::vector<S>& x, Solution<S>& solution) const
     solution.wrench[i] = {read(f), read(f + 3)};
     for (int k = 0; k < link.nv; ++k) solution.vdot[link.v + k] = vdot[k];
   }
+  for (std::size_t k = 0; k < closure_place_.size(); ++k) solution.lambda[k] = x[closure_place_[k]];
 }
 
 template class Eq14Matrix<double>;

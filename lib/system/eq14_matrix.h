@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "lib/system/system.h"
 
@@ -13,9 +14,9 @@ namespace lanc {
 enum class BodyOrder : unsigned char { leaf_to_root, root_to_leaf };
 
 /// The three unknowns of a body, and the three rows that the symmetric eq. 14 pairs with them:
-/// â with (3), f̂ with (8), η̇ with (12).
-enum class Block : unsigned char { acceleration, wrench, velocity };
-using BlockOrder = std::array<Block, 3>;
+/// â with (3), f̂ with (8), η̇ with (12). And λ of a closure row, with that row.
+enum class Block : unsigned char { acceleration, wrench, velocity, closure };
+using BlockOrder = std::array<Block, 3>;  // of a body: all but `closure`
 
 /// Where things stand in the matrix. With the same order in rows and columns it is symmetric.
 struct Eq14Layout {
@@ -27,7 +28,14 @@ struct Eq14Layout {
 
 /// Eq. 14 in compressed columns (starts, rows ascending in each column, values), structural zeros left out: a rigid M_i
 /// has 24 entries, B_ip 12, a rotation or translation column 3, the armature 1; 66 per revolute body, 39 in one
-/// triangle. Allocates in the constructor only. S: double, long double, Count. Tested by
+/// triangle.
+///
+/// A closure row stands after the last body of its loop to be eliminated (leaf to root, the lowest common ancestor is
+/// no part of the loop), a coupler's after the last body it couples: what is left then moves the loop as a rigid body.
+/// Leaf to root, its pivot is −G M̄⁻¹ Gᵀ of the bodies eliminated, and differs from zero if their M̄ is regular. It has 6
+/// entries a body and triangle, or 3 where it only turns; the diagonal entry is 0 while the row counts, and 1 (without
+/// couplings, λ = 0) while it depends on others, so that the pattern is that of the model. Allocates in the constructor
+/// only. S: double, long double, Count. Tested by
 /// tests/formulations/sparse_test.cpp.
 template <class S>
 class Eq14Matrix {
@@ -40,9 +48,10 @@ class Eq14Matrix {
   /// Says so when the matrix has more entries than 32-bit indices can tell apart.
   static std::optional<std::string> objection(const Model& model);
 
-  /// The values at another state: 42 for a revolute body. O(n).
-  void refill(const System<S>& system);
-  /// Right-hand side of eq. 14 in the order of the rows.
+  /// The values at another state: 42 for a revolute body. `independent` tells which closure rows count
+  /// (ClosureDecision); empty: all. O(n).
+  void refill(const System<S>& system, std::span<const char> independent = {});
+  /// Right-hand side of eq. 14 in the order of the rows; zero for closure rows that do not count.
   void scatter(const RightHandSide<S>& rhs, std::vector<S>& b) const;
   /// Solution from its values in the order of the columns. Drive forces are not part of eq. 14.
   void gather(const std::vector<S>& x, Solution<S>& solution) const;
@@ -54,21 +63,27 @@ class Eq14Matrix {
   const std::vector<S>& values() const { return values_; }
   const Eq14Layout& layout() const { return layout_; }
 
-  /// First row and first column of a block of a body.
-  int row(int body, Block block) const { return position(layout_.rows, body, block); }
-  int column(int body, Block block) const { return position(layout_.columns, body, block); }
+  /// First row and first column of a block of a body, or of a closure row for Block::closure.
+  int row(int owner, Block block) const { return position(layout_.rows, owner, block); }
+  int column(int owner, Block block) const { return position(layout_.columns, owner, block); }
+  /// Whose column it is: the closure row, or −1; and the body (of a closure row, the body it stands behind).
+  int closure_of_column(int column) const;
   int body_of_column(int column) const;
 
  private:
   int start(int body) const;
-  int position(const BlockOrder& order, int body, Block block) const;
+  int position(const BlockOrder& order, int owner, Block block) const;
+  void place_closures();
   void build();
 
   Model model_;
   Eq14Layout layout_;
   std::vector<int> starts_, rows_;
   std::vector<S> values_;
-  std::vector<int> slots_;  // where the entries that vary go, in the order in which refill() meets them
+  std::vector<int> closures_before_;  // per body: the closure rows that stand before it; empty without closures
+  std::vector<int> closure_place_;    // of every closure row
+  std::vector<char> counts_;          // per closure row, at the last refill
+  std::vector<int> slots_;            // where the entries that vary go, in the order in which refill() meets them
 };
 
 extern template class Eq14Matrix<double>;
