@@ -62,7 +62,7 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, Ra
           Status::singular,
           "the answer is not finite: a pivot vanished or has the wrong sign, so the mass matrix is singular or not "
           "positive definite at this state"};
-    else if (look == FirstLook::suspicious || refinement_)
+    else if (look == FirstLook::suspicious || model_.has_singular_inertia() || rank_)
       outcome = verified(system, solution);
   }
   if (rank_) judge_closures(outcome);
