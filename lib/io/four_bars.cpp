@@ -50,9 +50,11 @@ struct Assembly {
     ClosureSpec closure;
     closure.body_a = coupler;
     closure.name = "close_" + name;
-    if (!options.six_rows) {
+    if (options.cut != FourBarOptions::Cut::weld) {
       upright(name, parent, x);
-      closure.kind = *find_closure_kind("point-on-point");
+      const bool is_hinge = options.cut == FourBarOptions::Cut::hinge;
+      closure.kind = *find_closure_kind(is_hinge ? "revolute" : "point-on-point");
+      if (is_hinge) closure.axis = Eigen::Vector3d::UnitY();
       closure.body_b = name;
       closure.frame_a.position = Eigen::Vector3d::UnitX();
       closure.frame_b.position = Eigen::Vector3d::UnitZ();

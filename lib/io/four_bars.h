@@ -10,11 +10,13 @@ struct FourBarOptions {
   int loops = 1;
   double angle = 0.7, rate = 1;  // of every upright from the vertical, rad and rad/s
   double gravity = 9.81;         // m/s², downward (−z)
-  bool six_rows = false;         // loops cut by a weld in the middle of an upright instead of by a point at its tip
+  /// Where loops are cut: by a point at the tip of an upright (3 rows, 1 redundant), by a hinge there (5 rows, 3
+  /// redundant), or by a weld in its middle (6 rows, 3 redundant).
+  enum class Cut : unsigned char { point, hinge, weld } cut = Cut::point;
 };
 
 /// N four-bars side by side: 2N + 1 rods of 1 m and 1 kg in the x–z plane, N + 1 uprights on the ground, a coupler from
-/// the tip of each upright to the next, N closures that hold the coupler's end at the tip (3 rows, 1 redundant).
+/// the tip of each upright to the next, N closures.
 /// Closed form of the uprights' acceleration: g ((N+1)/2 + N) sin θ / ((N+1)/3 + N), at any speed.
 Mechanism four_bar_ladder(const FourBarOptions& options, const std::string& name);
 

@@ -23,13 +23,13 @@ constexpr GeneratorInfo table[] = {
      "N bodies of the chain, the first on the ground, all others on the first"},
     {"random", "random:N[:seed=S][:kinds=A,B,...][:massless=no][:driven=no][:forces=no][:gravity=G]",
      "N bodies hung together at random: all joint kinds, massless bodies, prescribed motions, springs"},
-    {"four-bar-ladder", "four-bar-ladder:N[:angle=A][:rate=R][:cut=point|weld][:gravity=G]",
+    {"four-bar-ladder", "four-bar-ladder:N[:angle=A][:rate=R][:cut=point|hinge|weld][:gravity=G]",
      "N four-bars side by side on the ground: 2N + 1 rods of 1 m and 1 kg in the x-z plane, uprights A from the "
      "vertical "
      "(default 0.7 rad) turning at R (default 1 rad/s); closures: points at the tips (3 rows, 1 redundant), or welds "
      "in "
      "the middle of the uprights (6 rows, 3 redundant)"},
-    {"four-bar-chain", "four-bar-chain:N[:angle=A][:rate=R][:cut=point|weld][:gravity=G]",
+    {"four-bar-chain", "four-bar-chain:N[:angle=A][:rate=R][:cut=point|hinge|weld][:gravity=G]",
      "N four-bars in series, each on the coupler of the one before; options as four-bar-ladder"},
 };
 
@@ -98,14 +98,16 @@ class Arguments {
   }
   /// m/s², downward.
   double gravity() { return number("gravity", 9.81, "9.81 or 0 (m/s^2)"); }
-  /// One of two words; true for the second.
-  bool second(std::string_view key, std::string_view first_word, std::string_view second_word) {
+  /// Index of one of some words; the first is the default.
+  int word(std::string_view key, const std::vector<std::string_view>& words) {
     const auto value = text(key);
-    if (value && *value != first_word && *value != second_word)
-      fail(argument_, fmt::format("{}={}; write {}={} or {}={}", key, *value, key, first_word, key, second_word));
-    return value && *value == second_word;
+    const auto found = value ? std::find(words.begin(), words.end(), *value) : words.begin();
+    if (found == words.end())
+      fail(argument_,
+           fmt::format("{}={}; write {}={}", key, *value, key, fmt::join(words, fmt::format(" or {}=", key))));
+    return static_cast<int>(found - words.begin());
   }
-  bool yes(std::string_view key) { return !second(key, "yes", "no"); }
+  bool yes(std::string_view key) { return word(key, {"yes", "no"}) == 0; }
   JointKind kind(std::string_view name) const {
     if (const auto kind = find_joint_kind(name)) return *kind;
     std::vector<std::string_view> names;
@@ -239,7 +241,7 @@ std::optional<Mechanism> generate(std::string_view argument) {
     FourBarOptions options{.loops = arguments.bodies, .gravity = gravity};
     options.angle = arguments.number("angle", options.angle, "0.7 (rad)");
     options.rate = arguments.number("rate", options.rate, "1 (rad/s)");
-    options.six_rows = arguments.second("cut", "point", "weld");
+    options.cut = FourBarOptions::Cut(arguments.word("cut", {"point", "hinge", "weld"}));
     arguments.require_all_used();
     return name == "four-bar-ladder" ? four_bar_ladder(options, std::string(argument))
                                      : four_bar_chain(options, std::string(argument));
