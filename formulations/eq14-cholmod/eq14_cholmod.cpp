@@ -20,7 +20,7 @@ std::unique_ptr<SparseSolver> make_solver(const SparseView& sample, const Sparse
 }  // namespace
 
 Eq14Cholmod::Eq14Cholmod(const Model& model, BodyOrder bodies)
-    : Eq14Formulation(model, {{.bodies = bodies, .upper_triangle = true}, {}, make_solver}) {}
+    : Eq14Formulation(model, {{.bodies = bodies, .upper_triangle = true}, {}, make_solver, true}) {}
 
 Outcome Eq14Cholmod::factorise(const System<double>& system) {
   Outcome outcome = Eq14Formulation::factorise(system);
@@ -35,7 +35,29 @@ Outcome Eq14Cholmod::factorise(const System<double>& system) {
               fmt::format("the inertia M* of body '{}' and what it carries is singular to {:.1e}, and LDL^T without "
                           "pivoting divides by it; take a formulation that does not",
                           model().spec().bodies[i].name, left)};
-  return outcome;
+  return model().has_closures() ? judged_closures() : outcome;
+}
+
+/// Of a closure row nothing is in the diagonal but what the eliminations before it have added and taken away: its pivot
+/// relative to the sum of their magnitudes is what they leave of the digits.
+Outcome Eq14Cholmod::judged_closures() const {
+  const LdlFactors f = factors();
+  std::vector<double> sum(matrix().size(), 0.0);
+  for (int c = 0; c < matrix().size(); ++c) {
+    const double pivot = std::abs(f.values[f.starts[c]]);
+    for (int p = f.starts[c] + 1; p < f.starts[c] + f.counts[c]; ++p)
+      sum[f.rows[p]] += f.values[p] * f.values[p] * pivot;
+  }
+  for (int k = 0; k < model().closures().rows(); ++k) {
+    if (!closures().independent[k]) continue;
+    const int at = matrix().column(k, Block::closure);
+    if (const double left = std::abs(f.values[f.starts[at]]) / sum[at]; !(left > least_pivot))
+      return {Status::objection,
+              fmt::format("the pivot of closure row '{}' is what rounding leaves of terms {:.1e} times as large; LDL^T "
+                          "without pivoting divides by it, take a formulation that does not",
+                          model().closures().row_names[k], 1 / left)};
+  }
+  return {};
 }
 
 /// Least pivot of the block M* (M_i, root to leaf) relative to the diagonal entry it is what is left of: the factor by

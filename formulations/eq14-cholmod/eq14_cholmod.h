@@ -19,6 +19,7 @@ class Eq14Cholmod final : public Eq14Formulation {
 
  private:
   double digits_left(int body) const;
+  Outcome judged_closures() const;
 };
 
 }  // namespace lanc

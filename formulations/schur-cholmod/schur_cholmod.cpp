@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formulations/schur-cholmod/no_fill_ldl.h"
 #include "formulations/schur-cholmod/schur_matrix.h"
+#include "formulations/schur-cholmod/sparse_ldl.h"
 #include "lib/formulation/formulation.h"
 #include "lib/formulation/inertia_rank.h"
 #include "lib/solve/cholmod.h"
@@ -45,7 +45,7 @@ class SchurSolver {
 
  private:
   const SchurMatrix<S>& matrix_;
-  NoFillLdl<S> ldl_;
+  SparseLdl<S> ldl_;
 };
 
 template <>
@@ -83,10 +83,18 @@ class SchurSolver<double> {
 template <class S>
 class SchurCholmod final : public Formulation<S> {
  public:
-  explicit SchurCholmod(const Model& model, EliminationOrder order = EliminationOrder::as_given)
+  /// Any order will do for a positive definite matrix; that of the recursion fills only where loops are closed.
+  explicit SchurCholmod(const Model& model)
+      : SchurCholmod(model, model.has_closures() ? EliminationOrder::amd : EliminationOrder::as_given) {}
+  SchurCholmod(const Model& model, EliminationOrder order)
       : Formulation<S>(model), matrix_(model), solver_(matrix_, order), b_(matrix_.size()), mu_(matrix_.size()) {}
 
-  void assemble(const System<S>& system) override { matrix_.refill(system); }
+  void assemble(const System<S>& system) override {
+    if (this->model().has_closures())
+      matrix_.refill(system, this->closures().independent);
+    else
+      matrix_.refill(system, {});
+  }
 
   Outcome factorise(const System<S>&) override {
     const Factorisation end = solver_.factorise();
@@ -136,7 +144,9 @@ class SchurCholmod final : public Formulation<S> {
 };
 
 std::optional<std::string> objection(const Model& model) {
-  if (model.has_closures()) return "closed loops: this formulation knows the joints of a tree only";
+  if (const auto& couplers = model.closures().couplers; !couplers.empty())
+    return fmt::format("coupler row '{}' acts on velocities of joints, which maximal coordinates do not have",
+                       model.closures().row_names[couplers[0].row]);
   for (int i = 0; i < model.bodies(); ++i)
     if (const int rank = inertia_rank(model, i); rank < 6)
       return fmt::format("body '{}' has a spatial inertia of rank {}, and maximal coordinates divide by it",
@@ -149,10 +159,13 @@ std::optional<std::string> objection(const Model& model) {
   return std::nullopt;
 }
 
-constexpr Variant variants[] = {{"ordering=leaf-to-root", create<SchurCholmod<double>, double>},
-                                {"ordering=amd", [](const Model& model) -> std::unique_ptr<Formulation<double>> {
-                                   return std::make_unique<SchurCholmod<double>>(model, EliminationOrder::amd);
-                                 }}};
+template <EliminationOrder order>
+std::unique_ptr<Formulation<double>> ordered(const Model& model) {
+  return std::make_unique<SchurCholmod<double>>(model, order);
+}
+
+constexpr Variant variants[] = {{"ordering=leaf-to-root", ordered<EliminationOrder::as_given>},
+                                {"ordering=amd", ordered<EliminationOrder::amd>}};
 
 const Registration registration({.name = "schur-cholmod",
                                  .idea = "maximal coordinates: eliminate the accelerations, G M^-1 G^T by CHOLMOD",

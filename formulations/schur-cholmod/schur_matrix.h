@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "lib/system/system.h"
 
@@ -18,17 +19,20 @@ namespace lanc {
 /// G_i = W_iᵀ on body i and −W_iᵀ B_ip on its parent. Joints meeting at a body are coupled with each other, so body
 /// with k joints makes a dense block of k; joints leaf to root are a perfect elimination order, without fill.
 ///
+/// A closure is a set of conditions more, on the bodies it acts on: its rows G_s join G, its λ the unknowns, after all
+/// joints, which fills. Rows that depend on others are replaced by λ = 0. Couplers, which act on η̇, have no place here.
+///
 /// Allocates in the constructor only. S: double, long double, Count.
 template <class S>
 class SchurMatrix {
  public:
   explicit SchurMatrix(const Model& model);
 
-  /// Entries of the upper triangle of S.
+  /// Entries of the upper triangle of S; with closures an upper bound.
   static std::int64_t count_nonzeros(const Model& model);
 
-  /// The values of S at another state.
-  void refill(const System<S>& system);
+  /// The values of S at another state; per closure row, whether it counts (ClosureDecision::independent).
+  void refill(const System<S>& system, std::span<const char> counts);
   /// b for a right-hand side of eq. 14; keeps what gather() needs.
   void scatter(const System<S>& system, const RightHandSide<S>& rhs, std::vector<S>& b);
   /// η̇, â and f̂ from μ, for the right-hand side of the last scatter().
@@ -70,7 +74,17 @@ class SchurMatrix {
     int joint, offset;  // rows of the one joint in the columns of the other
   };
 
+  /// A closure row in one of its bodies meets something else that acts on that body: zᵀ w goes into the slot.
+  struct Meeting {
+    enum class With : unsigned char { joint, joint_of_child, closure } with;
+    int end;    // 2 × closure row, or that + 1 on body B
+    int other;  // index in w_, in y_, or another end
+    int slot;
+  };
+
   void build();
+  void append_closures();
+  void refill_closures(const System<S>& system);
   void joint_bases(const System<S>& system, int i);
 
   Model model_;
@@ -82,6 +96,12 @@ class SchurMatrix {
   std::vector<Wrench<S>> p_;             // P_i, one per velocity
   std::vector<Wrench<S>> load_, known_;  // loads of the bodies, P τ of the joints
   std::vector<Motion<S>> free_;          // M⁻¹ load
+  int closure_start_ = 0;                // of the first closure row in the matrix
+  std::vector<int> end_body_;            // per end
+  std::vector<Wrench<S>> end_w_;         // G_s
+  std::vector<Motion<S>> end_z_;         // M⁻¹ G_sᵀ
+  std::vector<Meeting> meetings_;
+  std::vector<char> counts_;
   std::vector<int> starts_, rows_;
   std::vector<S> values_;
 };

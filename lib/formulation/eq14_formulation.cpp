@@ -10,7 +10,11 @@
 namespace lanc {
 
 Eq14Formulation::Eq14Formulation(const Model& model, const Eq14Settings& settings)
-    : Formulation<double>(model), matrix_(model, settings.layout), b_(matrix_.size()), x_(matrix_.size()) {
+    : Formulation<double>(model),
+      matrix_(model, settings.layout),
+      fixed_pivots_(settings.fixed_pivots),
+      b_(matrix_.size()),
+      x_(matrix_.size()) {
   solver_ = settings.make_solver(view(), settings.solver);
 }
 
@@ -36,6 +40,11 @@ Outcome Eq14Formulation::factorise(const System<double>&) {
   const Factorisation end = solver_->factorise(view());
   if (end.result == Factorisation::Result::done) return {};
   if (end.result == Factorisation::Result::failed) return {Status::objection, std::string(end.reason)};
+  if (fixed_pivots_ && model().has_closures())
+    return {Status::objection,
+            fmt::format("a pivot vanished{}: the mass matrix of the tree that is left without its loops is singular, "
+                        "and the pivots of this formulation divide by it; take one that looks for others",
+                        place(end.column))};
   return {Status::singular,
           fmt::format("eq. 14 is singular at this state: a pivot vanished{}; it or what it carries has "
                       "too little inertia for its freedoms",

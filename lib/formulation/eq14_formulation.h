@@ -15,6 +15,9 @@ struct Eq14Settings {
   Eq14Layout layout;
   SparseOptions solver;
   SolverFactory make_solver = nullptr;
+  /// The solver takes the pivots of the layout, whatever their size. They divide by the tree's M̄, so that where loops
+  /// are closed a vanishing pivot says nothing about the mechanism: an objection then, not `singular`.
+  bool fixed_pivots = false;
 };
 
 /// For a layout with the same order in rows and columns: multiplying row and column k of eq. 14 by the k-th of these
@@ -42,6 +45,7 @@ class Eq14Formulation : public Formulation<double> {
   std::string place(int column) const;
 
   Eq14Matrix<double> matrix_;
+  bool fixed_pivots_;
   std::unique_ptr<SparseSolver> solver_;
   std::vector<double> b_, x_;
 };

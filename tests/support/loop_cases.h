@@ -1,0 +1,21 @@
+// Mechanisms with closed loops for the tests, assembled and moving consistently.
+#pragma once
+
+#include <vector>
+
+#include "tests/support/random_model.h"
+
+namespace lanc::test {
+
+/// Ladders and chains of four-bars with both cuts, single loops of several joints, gears, driven closures, loops that
+/// share bodies, duplicated rows; all with one answer.
+std::vector<Case> closed_loops();
+
+/// A tree of all joint kinds with closures of random kinds between any of its bodies, and gears, at a state that
+/// satisfies none: for a given rank only (RankPolicy).
+Case tangle(std::uint64_t seed, int closures);
+
+/// Mechanisms of which the tree has no inertia in some freedom, though their loops determine it.
+std::vector<Case> held_by_loops();
+
+}  // namespace lanc::test
