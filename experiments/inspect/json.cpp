@@ -44,34 +44,81 @@ Json joint_json(const Model& model, int i) {
           {"forces", coordinates}};
 }
 
+Json closure_json(const Model& model, int k) {
+  const ClosureSpec& closure = model.spec().closures[k];
+  const Closure& c = model.closures().closures[k];
+  Json rows = Json::array();
+  for (int r = c.row; r < c.row + c.conditions().count; ++r) rows.push_back(model.closures().row_names[r]);
+  return {{"name", closure.name},
+          {"type", closure.kind.traits().name},
+          {"body_a", closure.body_a.empty() ? "ground" : closure.body_a},
+          {"body_b", closure.body_b.empty() ? "ground" : closure.body_b},
+          {"prescribed", closure.motion.has_value()},
+          {"rows", rows}};
+}
+
+Json coupler_json(const Model& model, int k) {
+  const CouplerSpec& coupler = model.spec().couplers[k];
+  Json joints = Json::array();
+  for (const CouplerSpec::Term& term : coupler.terms) joints.push_back(term.joint);
+  return {{"name", coupler.name},
+          {"type", "coupler"},
+          {"joints", joints},
+          {"prescribed", coupler.motion.has_value()},
+          {"rows", {model.closures().row_names[model.closures().couplers[k].row]}}};
+}
+
 }  // namespace
 
-Json to_json(const StateInput& input) {
-  const Model& model = input.model;
+Json to_json(const MechanismReport& report) {
+  const Model& model = report.input.model;
+  const Mobility& m = report.mobility;
   const std::vector<Warning> all = warnings(model);
-  Json bodies = Json::array(), joints = Json::array(), unique = Json::object();
+  Json bodies = Json::array(), joints = Json::array(), loops = Json::array(), unique = Json::object();
   for (int i = 0; i < model.bodies(); ++i) {
     bodies.push_back(body_json(model.spec().bodies[i], all));
     joints.push_back(joint_json(model, i));
-    unique[model.spec().joints[i].name] = {true, true, true, true, true, true};
+    unique[model.spec().joints[i].name] = m.unique[i];
   }
-  // A tree: no loop, so no closure row; every count is that of the joints.
-  return {{"bodies", bodies},
-          {"joints", joints},
-          {"loops", Json::array()},
-          {"velocities", model.nv()},
-          {"closure_rows", 0},
-          {"grubler", model.nv()},
-          {"rank", 0},
-          {"generic_rank", 0},
-          {"redundant", 0},
-          {"mobility", model.nv()},
-          {"finite_mobility", model.nv()},
-          {"verdict", "regular"},
-          {"sigma", {nullptr, nullptr}},
-          {"redundant_rows", Json::array()},
-          {"removable_rows", Json::array()},
-          {"unique_reactions", unique}};
+  for (std::size_t k = 0; k < model.spec().closures.size(); ++k) {
+    loops.push_back(closure_json(model, static_cast<int>(k)));
+    Json rows = Json::array();
+    const Closure& c = model.closures().closures[k];
+    for (int r = c.row; r < c.row + c.conditions().count; ++r) rows.push_back(bool(m.unique_row[r]));
+    unique[model.spec().closures[k].name] = rows;
+  }
+  for (std::size_t k = 0; k < model.spec().couplers.size(); ++k) {
+    loops.push_back(coupler_json(model, static_cast<int>(k)));
+    unique[model.spec().couplers[k].name] = {bool(m.unique_row[model.closures().couplers[k].row])};
+  }
+  const auto names = [&](const std::vector<int>& rows) {
+    Json list = Json::array();
+    for (const int r : rows) list.push_back(model.closures().row_names[r]);
+    return list;
+  };
+  Json result = {
+      {"bodies", bodies},
+      {"joints", joints},
+      {"loops", loops},
+      {"velocities", m.velocities},
+      {"closure_rows", m.closure_rows},
+      {"grubler", m.grubler},
+      {"rank", m.rank},
+      {"generic_rank", m.generic_rank},
+      {"redundant", m.redundant()},
+      {"mobility", m.mobility},
+      {"finite_mobility", m.finite_mobility},
+      {"verdict", to_string(m.verdict)},
+      {"sigma", {m.rank > 0 ? Json(m.sigma) : Json(nullptr), m.redundant() > 0 ? Json(m.next_sigma) : Json(nullptr)}},
+      {"redundant_rows", names(m.redundant_rows)},
+      {"removable_rows", names(m.removable_rows)},
+      {"unique_reactions", unique}};
+  if (report.absolute)
+    result["absolute"] = {{"coordinates", m.absolute_coordinates},
+                          {"rows", m.absolute_rows},
+                          {"rank", m.absolute_rank},
+                          {"redundant", m.redundant()}};
+  return result;
 }
 
 }  // namespace lanc

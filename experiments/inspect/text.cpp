@@ -27,11 +27,9 @@ std::string summary(const StateInput& input) {
   }
   std::string text = fmt::format("{}: {} bodies, {:.6g} kg, gravity {} m/s²\n", model.name(), model.bodies(), mass,
                                  triple(model.spec().gravity));
-  text += fmt::format("Tree of depth {}, with {} {}; no loops, no closure rows\n", deepest, leaves,
-                      leaves == 1 ? "end" : "ends");
-  text += fmt::format("Mobility {} (Grübler count {}); position coordinates: {}; prescribed motions: {}\n", model.nv(),
-                      model.nv(), model.nq(), model.drives());
-  text += "Verdict: regular, all reactions unique\n";
+  text +=
+      fmt::format("Tree of depth {}, with {} {}; position coordinates: {}; prescribed motions: {}\n", deepest, leaves,
+                  leaves == 1 ? "end" : "ends", model.nq(), model.drives() + model.closures().motions.size());
   return text;
 }
 
@@ -167,9 +165,10 @@ std::string warning_text(const Model& model) {
 
 }  // namespace
 
-std::string to_text(const StateInput& input) {
-  return summary(input) + body_table(input) + joint_table(input) + coordinate_table(input) + force_table(input.model) +
-         drive_list(input) + load_tables(input.model) + warning_text(input.model);
+std::string to_text(const MechanismReport& report) {
+  const StateInput& input = report.input;
+  return summary(input) + mobility_text(report) + body_table(input) + joint_table(input) + coordinate_table(input) +
+         force_table(input.model) + drive_list(input) + load_tables(input.model) + warning_text(input.model);
 }
 
 }  // namespace lanc

@@ -185,6 +185,10 @@ void StateProgram::option(const std::string& name, std::string& value, const std
   state_->app.add_option(name, value, help)->capture_default_str();
 }
 
+void StateProgram::flag(const std::string& name, bool& value, const std::string& help) {
+  state_->app.add_flag(name, value, help);
+}
+
 void StateProgram::numbers(const std::string& name, std::optional<std::vector<double>>& value,
                            const std::string& help) {
   state_->own.push_back(std::make_unique<State::Numbers>(State::Numbers{name, {}, &value}));

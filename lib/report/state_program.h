@@ -38,6 +38,7 @@ class StateProgram {
 
   /// Options of this program's own; what they hold now is the default.
   void option(const std::string& name, std::string& value, const std::string& help);
+  void flag(const std::string& name, bool& value, const std::string& help);
   void numbers(const std::string& name, std::optional<std::vector<double>>& value, const std::string& help);
 
   /// Exit code of `body`, or 2 for bad input of any kind, told on stderr. --help, --list-models and
