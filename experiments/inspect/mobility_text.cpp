@@ -63,9 +63,9 @@ std::string loop_table(const Model& model, const Mobility& m) {
 std::string mobility_text(const MechanismReport& report) {
   const Model& model = report.input.model;
   const Mobility& m = report.mobility;
-  TextTable table({"count", "value", "meaning"}, 1);
+  TextTable table({"count", "meaning", "value"}, 2);
   const auto row = [&](const char* what, int value, const std::string& meaning) {
-    table.row({what, std::to_string(value), meaning});
+    table.row({what, meaning, std::to_string(value)});
   };
   row("velocities", m.velocities, "freedoms of the joints of the tree");
   if (m.closure_rows > 0) {
