@@ -1,7 +1,5 @@
 // The programs solve, inverse and inspect as a shell sees them: arguments in, JSON, text and exit codes out.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <Eigen/Dense>
 #include <array>
@@ -12,63 +10,14 @@
 #include <sstream>
 
 #include "lib/formulation/formulation.h"
+#include "tests/support/programs.h"
 
 namespace {
 
+using lanc::test::folder, lanc::test::run, lanc::test::text_of, lanc::test::write, lanc::test::Finished,
+    lanc::test::Words;
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
-
-struct Finished {
-  int exit_code = -1;
-  std::string out, error;
-  Json json() const { return Json::parse(out); }
-};
-
-/// A folder of this process's own, removed at the end.
-const fs::path& folder() {
-  struct Temporary {
-    fs::path path = fs::temp_directory_path() / ("lanc-cli-test-" + std::to_string(::getpid()));
-    Temporary() { fs::create_directories(path); }
-    ~Temporary() { fs::remove_all(path); }
-  };
-  static const Temporary temporary;
-  return temporary.path;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::string write(const std::string& name, const std::string& text) {
-  std::ofstream(folder() / name) << text;
-  return (folder() / name).string();
-}
-
-std::string quoted(const std::string& word) {
-  std::string text(1, '\'');
-  for (const char c : word) {
-    if (c == '\'')
-      text += "'\\''";
-    else
-      text += c;
-  }
-  text += '\'';
-  return text;
-}
-
-/// Runs the program that lies beside this test.
-Finished run(const std::string& program, const Words& arguments) {
-  const fs::path bin = fs::read_symlink("/proc/self/exe").parent_path();
-  const fs::path out = folder() / "stdout", error = folder() / "stderr";
-  std::ostringstream command;
-  command << quoted((bin / program).string());
-  for (const std::string& argument : arguments) command << ' ' << quoted(argument);
-  command << " >" << quoted(out.string()) << " 2>" << quoted(error.string()) << " </dev/null";
-  const int status = std::system(command.str().c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(error)};
-}
 
 Words keys(const Json& object) {
   Words names;
