@@ -122,6 +122,23 @@ TEST(Solve, OptionsMayComeBeforeTheModel) {
   EXPECT_EQ(r.json()["vdot"], run("solve", {"chain:2", "--q", "0.1,-0.2", "--format", "json"}).json()["vdot"]);
 }
 
+TEST(Solve, NegativeNumbersMayStandAsWordsOfTheirOwn) {
+  const Json by_one_word = run("solve", {"chain:3", "--q=-.5,-0.25,-1e-3", "--v=-.5,-2,-0.5", "--time=-.5",
+                                         "--tau=-.5,0,-3", "--format", "json"})
+                               .json();
+  for (const Words& options :
+       {Words{"--q", "-.5", "-.25", "-1e-3", "--v", "-.5,-2", "-.5", "--time", "-.5", "--tau", "-.5", "0", "-3"},
+        Words{"--q", "-.5,-.25", "-.1e-2", "--v", "-.5", "-2,-.5", "--time", "-.5", "--tau", "-.5,-.0", "-3"}}) {
+    Words arguments = {"chain:3", "--format", "json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Finished r = run("solve", arguments);
+    ASSERT_EQ(r.exit_code, 0) << r.error;
+    EXPECT_EQ(r.json()["vdot"], by_one_word["vdot"]);
+  }
+  EXPECT_EQ(run("solve", {"chain:1", "--wrench", "b1=-.5,-1e-3,-1,-.2,-3,0"}).exit_code, 0);
+  EXPECT_EQ(run("inverse", {"chain:2", "--vdot", "-.5", "-1e-3"}).exit_code, 0);
+}
+
 TEST(Solve, EveryFormulationAnswersOrSaysWhyNot) {
   for (const char* model : {"chain:4", "random:12:seed=5", "random:12:seed=6:massless=no"}) {
     const Finished all = run("solve", {model, "--formulation", "all", "--format", "json"});
@@ -290,6 +307,9 @@ TEST(CommandLine, BadInputExitsWithTwoAndSaysWhatToMend) {
   };
   const std::string bad_json = write("bad.json", "{\"q\": [0.1,\n}"), odd_json = write("odd.json", "{\"x\": 1}"),
                     list_json = write("list.json", "[1]"), word_json = write("word.json", "{\"q\": \"a\"}"),
+                    twice_json = write("twice.json", R"({"q": [0, 0], "q": [1, 1]})"),
+                    twice_body_json =
+                        write("twice_body.json", R"({"wrenches": {"b1": [0,0,0,0,0,0], "b1": [1,0,0,0,0,0]}})"),
                     bad_toml = write("bad.toml", "[[body]]\nname = \"b\"\nmass = 1\ncolour = 1\n");
   const std::vector<Case> cases = {
       {{}, "MODEL is required"},
@@ -301,6 +321,11 @@ TEST(CommandLine, BadInputExitsWithTwoAndSaysWhatToMend) {
       {{"chain:2", "--q", ""}, "q has 0 numbers"},
       {{"chain:2", "--v", "1,two"}, "--v: 'two' is not a number"},
       {{"chain:2", "--v", "1,nan"}, "v: j2.angle_rate is not a finite number"},
+      {{"chain:2", "--q", "1,,2"}, "--q: a number is missing before a comma in '1,,2'"},
+      {{"chain:2", "--q", ",1,2"}, "--q: a number is missing before a comma"},
+      {{"chain:2", "--q", "1,2,"}, "--q: a number is missing after the last comma of '1,2,'"},
+      {{"chain:2", "--v", "1", ",", ",", "2"}, "--v: a number is missing before a comma in '1 , , 2'"},
+      {{"chain:2", "--v", "1,+-2"}, "--v: '+-2' is not a number"},
       {{"chain:2", "--time", "inf"}, "the time is not a finite number"},
       {{"chain:2", "--tau", "1,2,3"}, "tau has 3 numbers, the model needs 2"},
       {{"chain:2", "--tau", "1,1e999"}, "'1e999' is not a number"},
@@ -317,6 +342,13 @@ TEST(CommandLine, BadInputExitsWithTwoAndSaysWhatToMend) {
       {{"chain:2", "--state", odd_json}, "unknown key 'x'"},
       {{"chain:2", "--state", list_json}, "not a JSON object"},
       {{"chain:2", "--state", word_json}, "arrays of numbers, are expected"},
+      {{"chain:2", "--state", twice_json}, "twice.json: the key 'q' is there twice; remove one"},
+      {{"chain:2", "--state", twice_body_json}, "twice_body.json: the key 'b1' is there twice"},
+      {{"chain:2", "--state", "."}, ".: this is a directory; name a JSON file in it"},
+      {{"chain:2", "--state", ""}, "--state: nothing is given"},
+      {{"chain:2", "--export", ""}, "--export: nothing is given"},
+      {{"chain:2", "--formulation", ""}, "--formulation: nothing is given"},
+      {{"chain:2", "--out", ""}, "--out: nothing is given"},
       {{"chain:2", "--out", "/nosuch/folder/file"}, "cannot be written"},
       {{"chain:2", "--export", "/proc/nosuch"}, "cannot be made"},
       {{"chain:4000", "--export", folder().string()}, "at most 3000"},
