@@ -7,6 +7,7 @@
 
 #include "lib/formulation/judgement.h"
 #include "lib/system/equations.h"
+#include "lib/system/finite.h"
 
 namespace lanc {
 
@@ -35,6 +36,11 @@ constexpr int most_refinements = 3;
 /// A known answer must come back with this relative error at least; from a singular matrix any other comes back.
 constexpr double largest_probe_error = 1e-3;
 
+template <class S>
+Outcome not_finite(const System<S>& system) {
+  return {Status::not_finite, "coefficients of eq. 14 cannot be used: " + not_finite_because(system)};
+}
+
 }  // namespace
 
 template <class S>
@@ -45,9 +51,7 @@ void Formulation<S>::decide(const System<S>& system, RankPolicy policy) {
 template <class S>
 Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, RankPolicy policy) {
   using judgement::FirstLook;
-  constexpr const char* not_finite =
-      "the coefficients of eq. 14 are not finite, or overflow; look at the state, the loads and the motions";
-  if (rank_ && !judgement::finite(system)) return {Status::not_finite, not_finite};
+  if (rank_ && !finite(system)) return not_finite(system);
   decide(system, policy);
   assemble(system);
   Outcome outcome = factorise(system);
@@ -66,7 +70,7 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, Ra
       outcome = verified(system, solution);
   }
   if (rank_) judge_closures(outcome);
-  if (!outcome.usable() && !judgement::finite(system)) outcome = {Status::not_finite, not_finite};
+  if (!outcome.usable() && !finite(system)) return not_finite(system);
   return outcome;
 }
 
