@@ -1,6 +1,8 @@
 // The experiments as a shell sees them: what they print, and options they must refuse.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include "lib/report/sidecar.h"
 #include "tests/support/programs.h"
 
 namespace {
@@ -37,6 +39,16 @@ TEST(Experiments, RefuseValuesThatMeanNothing) {
     EXPECT_NE(r.error.find(message), std::string::npos) << "expected: " << message << "\ngot: " << r.error;
   }
   EXPECT_EQ(run("scaling", {"--list-models", "--seed", "18446744073709551615"}).exit_code, 0);
+}
+
+/// A quarter of what the contract allows, in processor time: machines differ, and do something else besides.
+TEST(Scaling, QuickRunIsQuick) {
+  if (lanc::build_warning(lanc::build_info())) GTEST_SKIP() << "times of this build mean nothing";
+  rusage used{};
+  const Finished r = run("scaling", {"--quick", "--quiet", "--out", "-"});
+  getrusage(RUSAGE_CHILDREN, &used);  // of all programs run so far; the others are done in no time
+  EXPECT_EQ(r.exit_code, 0) << r.error;
+  EXPECT_LT(used.ru_utime.tv_sec, 5);
 }
 
 }  // namespace
