@@ -8,6 +8,7 @@
 #include "lib/formulation/judgement.h"
 #include "lib/system/equations.h"
 #include "lib/system/finite.h"
+#include "lib/system/mass_matrix.h"
 
 namespace lanc {
 
@@ -41,6 +42,25 @@ Outcome not_finite(const System<S>& system) {
   return {Status::not_finite, "coefficients of eq. 14 cannot be used: " + not_finite_because(system)};
 }
 
+/// Not singular, though a Cholesky factorisation says so: the rule for inertias that are allowed to be nonphysical.
+template <class S>
+bool indefinite_by_inertia(const System<S>& system) {
+  const Model& model = system.model;
+  constexpr int most = 3000;  // velocities: above, seconds
+  const auto& bodies = model.spec().bodies;
+  return model.nv() <= most &&
+         std::any_of(bodies.begin(), bodies.end(), [](const BodySpec& b) { return b.allow_nonphysical_inertia; }) &&
+         regular_but_indefinite(system);
+}
+
+Outcome not_definite() {
+  return {
+      Status::objection,
+      "the mass matrix is not positive definite at this state, since a body has an inertia that no body can have; "
+      "the equations have an answer, but this formulation needs pivots of one sign. 'recursive' and the formulations "
+      "on eq. 14 do not"};
+}
+
 }  // namespace
 
 template <class S>
@@ -69,6 +89,7 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, Ra
     else if (look == FirstLook::suspicious || refinement_)
       outcome = verified(system, solution);
   }
+  if (outcome.status == Status::singular && indefinite_by_inertia(system)) outcome = not_definite();
   if (rank_) judge_closures(outcome);
   if (!outcome.usable() && !finite(system)) return not_finite(system);
   return outcome;
