@@ -169,24 +169,36 @@ std::string told(const PairCrossing& pair, bool measured) {
   return fmt::format("{} [{:.1f}, {}]", pair.first, pair.lower, upper);
 }
 
+/// Up to how many bodies pairs told as "never" were compared; nothing when none was.
+std::string reach_of_never(const std::set<int>& last) {
+  if (last.empty()) return {};
+  if (last.size() == 1) return fmt::format("; never: not up to {} bodies", *last.begin());
+  return fmt::format("; never: not up to the largest size both have, {} to {} bodies", *last.begin(), *last.rbegin());
+}
+
 /// Models down, formulations that are not recursive across.
 template <class Crossing>
 void print_table(std::FILE* out, const std::string& title, const std::string& recursive,
-                 const std::map<std::string, Family>& families, const std::vector<std::string>& others,
+                 const std::map<std::string, Family>& families, const std::vector<std::string>& others, bool measured,
                  Crossing&& crossing_of) {
-  fmt::print(out, "\n{}\n  {:<24}", title, "than:");
-  for (const std::string& other : others) fmt::print(out, " {:<15}", other);
-  fmt::print(out, "\n");
+  std::string rows;
+  std::set<int> never;
   for (const auto& [name, family] : families) {
     const auto cost = family.curves.find(recursive);
     if (cost == family.curves.end() || family.velocities.size() < 2) continue;
-    fmt::print(out, "  {:<24}", name);
+    rows += fmt::format("  {:<24}", name);
     for (const std::string& other : others) {
       const auto found = family.curves.find(other);
-      fmt::print(out, " {:<15}", found == family.curves.end() ? "-" : crossing_of(cost->second, found->second));
+      const PairCrossing pair =
+          found == family.curves.end() ? PairCrossing() : crossing_of(cost->second, found->second);
+      if (pair.last > 0 && pair.kind == CrossingPoint::Kind::never) never.insert(pair.last);
+      rows += fmt::format(" {:<15}", told(pair, measured));
     }
-    fmt::print(out, "\n");
+    rows += "\n";
   }
+  fmt::print(out, "\n{}{}\n  {:<24}", title, reach_of_never(never), "than:");
+  for (const std::string& other : others) fmt::print(out, " {:<15}", other);
+  fmt::print(out, "\n{}", rows);
 }
 
 /// For each formulation that is not recursive: the n from which on a recursive one is cheaper.
@@ -197,13 +209,11 @@ void print_tables(std::FILE* out, const Experiment& experiment, const std::map<s
   for (const FormulationInfo* info : experiment.formulations()) {
     if (!info->recursive || others.empty()) continue;
     const std::string name(info->name);
-    print_table(
-        out, fmt::format("Bodies from which on '{}' needs fewer operations ('never': not up to {})", name, largest),
-        name, families, others, [](const Curve& a, const Curve& b) { return told(flops_crossing(a, b), false); });
+    print_table(out, fmt::format("Bodies from which on '{}' needs fewer operations", name), name, families, others,
+                false, flops_crossing);
     print_table(out, fmt::format("Bodies from which on '{}' needs less time [quartiles of the crossing]", name), name,
-                families, others, [&](const Curve& a, const Curve& b) {
-                  return told(time_crossing(a, b, experiment.options().seed), true);
-                });
+                families, others, true,
+                [&](const Curve& a, const Curve& b) { return time_crossing(a, b, experiment.options().seed); });
   }
 }
 

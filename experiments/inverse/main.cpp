@@ -10,6 +10,7 @@
 #include "lib/report/state_program.h"
 #include "lib/system/equations.h"
 #include "lib/system/evaluator.h"
+#include "lib/system/finite.h"
 
 namespace {
 
@@ -36,11 +37,13 @@ Answer solve(const StateInput& input, const std::optional<std::vector<double>>& 
   Evaluator<double> evaluator(model);
   System<double> system = evaluator.system(input.state, input.loads);
   inverse_dynamics(system, answer.solution, answer.tau);
+  const std::string cause = not_finite_because(system);
   for (int k = 0; k < model.nv(); ++k) system.rhs.tau[k] += answer.tau[k];
   answer.residual = backward_error(system, answer.solution).componentwise;
   if (!std::isfinite(answer.residual)) {
     answer.status = Status::not_finite;
-    answer.message = "the coefficients of eq. 14 are not finite; look at the state, the loads and the motions";
+    answer.message = cause.empty() ? "the answer overflows; are the accelerations and loads meant to be so large?"
+                                   : "coefficients of eq. 14 cannot be used: " + cause;
   }
   return answer;
 }

@@ -107,7 +107,8 @@ int main(int argc, char** argv) {
                          .quick_repetitions = 1,
                          .models = default_models});
   double seconds = 0;
-  experiment.option("--min-time", seconds, "seconds each benchmark takes at least; 0: 0.05, or 0.01 with --quick");
+  experiment.option("--min-time", seconds, {0, 1e4},
+                    "seconds each benchmark takes at least; 0: 0.05, or 0.01 with --quick");
   return experiment.run(argc, argv, [&](Experiment& e) {
     if (seconds <= 0) seconds = e.options().quick ? 0.01 : 0.05;
     std::map<std::string, Subject> subjects;

@@ -7,6 +7,8 @@
 
 #include "lib/formulation/judgement.h"
 #include "lib/system/equations.h"
+#include "lib/system/finite.h"
+#include "lib/system/mass_matrix.h"
 
 namespace lanc {
 
@@ -35,6 +37,30 @@ constexpr int most_refinements = 3;
 /// A known answer must come back with this relative error at least; from a singular matrix any other comes back.
 constexpr double largest_probe_error = 1e-3;
 
+template <class S>
+Outcome not_finite(const System<S>& system) {
+  return {Status::not_finite, "coefficients of eq. 14 cannot be used: " + not_finite_because(system)};
+}
+
+/// Not singular, though a Cholesky factorisation says so: the rule for inertias that are allowed to be nonphysical.
+template <class S>
+bool indefinite_by_inertia(const System<S>& system) {
+  const Model& model = system.model;
+  constexpr int most = 3000;  // velocities: above, seconds
+  const auto& bodies = model.spec().bodies;
+  return model.nv() <= most &&
+         std::any_of(bodies.begin(), bodies.end(), [](const BodySpec& b) { return b.allow_nonphysical_inertia; }) &&
+         regular_but_indefinite(system);
+}
+
+Outcome not_definite() {
+  return {
+      Status::objection,
+      "the mass matrix is not positive definite at this state, since a body has an inertia that no body can have; "
+      "the equations have an answer, but this formulation needs pivots of one sign. 'recursive' and the formulations "
+      "on eq. 14 do not"};
+}
+
 }  // namespace
 
 template <class S>
@@ -45,9 +71,7 @@ void Formulation<S>::decide(const System<S>& system, RankPolicy policy) {
 template <class S>
 Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, RankPolicy policy) {
   using judgement::FirstLook;
-  constexpr const char* not_finite =
-      "the coefficients of eq. 14 are not finite, or overflow; look at the state, the loads and the motions";
-  if (rank_ && !judgement::finite(system)) return {Status::not_finite, not_finite};
+  if (rank_ && !finite(system)) return not_finite(system);
   decide(system, policy);
   assemble(system);
   Outcome outcome = factorise(system);
@@ -65,8 +89,9 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, Ra
     else if (look == FirstLook::suspicious || model_.has_singular_inertia() || rank_)
       outcome = verified(system, solution);
   }
+  if (outcome.status == Status::singular && indefinite_by_inertia(system)) outcome = not_definite();
   if (rank_) judge_closures(outcome);
-  if (!outcome.usable() && !judgement::finite(system)) outcome = {Status::not_finite, not_finite};
+  if (!outcome.usable() && !finite(system)) return not_finite(system);
   return outcome;
 }
 

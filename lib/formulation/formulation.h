@@ -56,6 +56,8 @@ class Formulation {
   ///   inconsistent  the state violates the closure conditions, or they contradict one another (a driven loop that
   ///   cannot
   ///               follow): the answer is that of least squares in the scaled rows
+  ///   objection   it is singular to this formulation only: M̄ is regular but, by an inertia that no body can have, not
+  ///               positive definite (looked at up to 3000 velocities, O(n³))
   ///   singular    the answer is not finite, or does not stand the following test; or the rank of the closure
   ///   conditions
   ///               is larger in neighbouring states: what the conditions at this very state leave is returned

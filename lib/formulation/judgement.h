@@ -14,28 +14,6 @@ bool finite(const Vec3<S>& a) {
   return std::isfinite(to_double(a.x)) && std::isfinite(to_double(a.y)) && std::isfinite(to_double(a.z));
 }
 
-/// Coefficients and loads are numbers, and small enough for their products to be ones.
-template <class S>
-bool finite(const System<S>& system) {
-  constexpr double largest = 1e100;
-  const auto small = [](const Vec3<S>& a) {
-    return std::abs(to_double(a.x)) < largest && std::abs(to_double(a.y)) < largest &&
-           std::abs(to_double(a.z)) < largest;
-  };
-  for (const auto& body : system.bodies)
-    if (!small(body.r) || !small(body.inertia.h)) return false;
-  for (const auto& bias : system.rhs.bias)
-    if (!small(bias.angular) || !small(bias.linear)) return false;
-  for (const auto& force : system.rhs.force)
-    if (!small(force.moment) || !small(force.force)) return false;
-  for (const auto& row : system.closure_rows)
-    if (!small(row.a.moment) || !small(row.a.force) || !small(row.b.moment) || !small(row.b.force)) return false;
-  const auto all_small = [](const std::vector<S>& numbers) {
-    return std::all_of(numbers.begin(), numbers.end(), [](const S& x) { return std::abs(to_double(x)) < largest; });
-  };
-  return all_small(system.rhs.tau) && all_small(system.rhs.closure);
-}
-
 /// What one sweep over an answer tells.
 enum class FirstLook : unsigned char { good, suspicious, not_finite };
 

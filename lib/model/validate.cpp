@@ -32,12 +32,17 @@ void validate_inertia(const BodySpec& body, const std::string& who) {
                                  who, e[0], e[1], e[2], mend));
 }
 
+/// A negative stiffness is met in nature (a buckled beam, a magnet), a negative damper is not.
+constexpr const char* mend_of_damping =
+    "would feed energy in; give zero or a positive value, and what drives as an applied force";
+
 void validate_coordinate(const JointSpec& joint, const CoordinateSpec& c, const std::string& who) {
   const double numbers[] = {c.stiffness,         c.rest,           c.damping, c.friction_positive,
                             c.friction_negative, c.friction_speed, c.torque,  c.armature};
   for (const double x : numbers)
     require_finite(joint.place, who + ": a spring, damper, friction, torque or armature value", scalar(x));
   if (c.armature < 0) fail(joint.place, who + ": negative armature; a rotor inertia is zero or positive");
+  if (c.damping < 0) fail(joint.place, fmt::format("{}: negative damping {:.6g} {}", who, c.damping, mend_of_damping));
   if (c.friction_positive < 0 || c.friction_negative < 0)
     fail(joint.place, who + ": negative friction; give its magnitude for either direction");
   if (!(c.friction_speed > 0))
@@ -141,6 +146,8 @@ void validate(const PointSpringSpec& spring) {
   require_finite(spring.place, who + ": point_b", spring.point_b);
   for (const double x : {spring.stiffness, spring.damping, spring.rest_length})
     require_finite(spring.place, who + ": stiffness, damping or rest length", scalar(x));
+  if (spring.damping < 0)
+    fail(spring.place, fmt::format("{}: negative damping {:.6g} {}", who, spring.damping, mend_of_damping));
   if (spring.rest_length < 0) fail(spring.place, who + ": negative rest length");
   if (spring.body_a == spring.body_b) fail(spring.place, who + ": both ends are on the same body; connect two bodies");
 }

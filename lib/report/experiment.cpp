@@ -10,6 +10,7 @@
 
 #include "lib/io/generators.h"
 #include "lib/model/error.h"
+#include "lib/report/option_checks.h"
 #include "lib/report/sidecar.h"
 
 namespace lanc {
@@ -49,12 +50,15 @@ struct Experiment::State {
     options.out = description.name + ".csv";
     options.repetitions = description.repetitions;
     app.add_option("--out", options.out, "CSV to write, its JSON sidecar beside it; - is standard output")
+        ->check(given())
         ->capture_default_str();
     app.add_option("--models", options.models, "model arguments, or globs over those of --list-models (default: all)");
     app.add_option("--formulations", options.formulations, "globs over --list-formulations (default: all)");
-    app.add_option("--seed", options.seed, "seed of the generators and of resampling")->capture_default_str();
+    app.add_option("--seed", options.seed, "seed of the generators and of resampling")
+        ->check(seed())
+        ->capture_default_str();
     app.add_option("--repetitions", options.repetitions, "times everything is timed; medians are over them")
-        ->check(CLI::PositiveNumber)
+        ->check(between(1, 1e6))
         ->capture_default_str();
     app.add_flag("--quick", options.quick, "a small choice of models, done in under 20 s");
     app.add_flag("--quiet", options.quiet, "no progress on stderr");
@@ -115,13 +119,13 @@ void Experiment::option(const std::string& name, int& value, const std::string& 
   state_->own_options.push_back([name, &value] { return std::pair(name.substr(2), std::to_string(value)); });
 }
 
-void Experiment::option(const std::string& name, double& value, const std::string& help) {
-  state_->app.add_option(name, value, help)->capture_default_str();
+void Experiment::option(const std::string& name, double& value, const Range& range, const std::string& help) {
+  state_->app.add_option(name, value, help)->check(between(range.lowest, range.highest))->capture_default_str();
   state_->own_options.push_back([name, &value] { return std::pair(name.substr(2), fmt::format("{}", value)); });
 }
 
 void Experiment::option(const std::string& name, std::string& value, const std::string& help) {
-  state_->app.add_option(name, value, help)->capture_default_str();
+  state_->app.add_option(name, value, help)->check(given())->capture_default_str();
   state_->own_options.push_back([name, &value] { return std::pair(name.substr(2), value); });
 }
 

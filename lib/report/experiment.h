@@ -25,6 +25,11 @@ struct CommonOptions {
   bool quick = false, quiet = false, resume = false;
 };
 
+/// Values an option takes, both ends included.
+struct Range {
+  double lowest, highest;
+};
+
 /// The texts that match the glob; the text itself, matched or not, when it holds no * ? [.
 std::vector<std::string> matching(const std::vector<std::string>& all, const std::string& glob);
 
@@ -45,7 +50,7 @@ class Experiment {
 
   /// Options of this experiment's own; the value they have now is the default. They decide what --resume compares.
   void option(const std::string& name, int& value, const std::string& help);
-  void option(const std::string& name, double& value, const std::string& help);
+  void option(const std::string& name, double& value, const Range& range, const std::string& help);
   void option(const std::string& name, std::string& value, const std::string& help);
 
   /// Reads the command line, runs `body`, and returns the exit code: 0; 1 when something in it could not be used later

@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "lib/formulation/formulation.h"
 #include "lib/io/generators.h"
 #include "lib/model/error.h"
+#include "lib/report/option_checks.h"
 
 namespace lanc {
 namespace {
@@ -42,12 +44,28 @@ std::vector<double> checked_tau(const Model& model, std::vector<double> tau) {
   return tau;
 }
 
+/// Of two equal keys the library would keep the last, silently.
+nlohmann::json parse_without_duplicates(std::istream& file, const std::string& path) {
+  std::vector<std::set<std::string>> keys;  // of the objects around the present place
+  using Event = nlohmann::json::parse_event_t;
+  return nlohmann::json::parse(file, [&](int, Event event, const nlohmann::json& parsed) {
+    if (event == Event::object_start) keys.emplace_back();
+    if (event == Event::object_end) keys.pop_back();
+    if (event == Event::key && !keys.back().insert(parsed.get<std::string>()).second)
+      throw InputError(Place{path}, fmt::format("the key '{}' is there twice; remove one", parsed.get<std::string>()));
+    return true;
+  });
+}
+
 /// {"t": .., "q": [..], "v": [..], "tau": [..], "wrenches": {"body": [6 numbers]}}, each key optional.
 void read_state_file(const std::string& path, bool takes_loads, StateInput& input) {
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none))
+    throw InputError(Place{path}, "this is a directory; name a JSON file in it");
   std::ifstream file(path);
   if (!file) throw InputError(Place{path}, "this file cannot be read");
   try {
-    const nlohmann::json document = nlohmann::json::parse(file);
+    const nlohmann::json document = parse_without_duplicates(file, path);
     if (!document.is_object()) throw InputError(Place{path}, "not a JSON object such as {\"q\": [0.1], \"v\": [0]}");
     for (const auto& [key, value] : document.items()) {
       if (key == "t") {
@@ -71,6 +89,24 @@ void read_state_file(const std::string& path, bool takes_loads, StateInput& inpu
   }
 }
 
+double read_number(const std::string& who, const std::string& word) {
+  const bool plus = word[0] == '+' && word.compare(0, 2, "+-") != 0;  // std::from_chars takes no plus
+  double value = 0;
+  const auto [last, error] = std::from_chars(word.data() + (plus ? 1 : 0), word.data() + word.size(), value);
+  if (error != std::errc() || last != word.data() + word.size())
+    throw InputError(fmt::format("{}: '{}' is not a number; write for example 0.5,-1e-3", who, word));
+  return value;
+}
+
+/// CLI11 takes -1 for a number, and -.5 for options named '.' and '5'; a blank in front makes it a value. Numbers are
+/// read without their blanks.
+Words with_numbers_protected(int argc, const char* const* argv) {
+  Words words(argv, argv + argc);
+  for (std::string& word : words)
+    if (word.compare(0, 2, "-.") == 0) word.insert(0, 1, ' ');
+  return words;
+}
+
 void print_models() {
   fmt::print("a model file (*.toml, *.urdf), or a generator:\n");
   for (const GeneratorInfo& g : generators()) fmt::print("  {}\n      {}\n", g.usage, g.description);
@@ -84,18 +120,17 @@ void print_formulations() {
 
 std::vector<double> read_numbers(const std::string& who, const std::string& text) {
   std::vector<double> numbers;
-  constexpr const char* separators = ", \t\n";
-  for (std::size_t begin = text.find_first_not_of(separators); begin != text.npos;) {
-    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    const char* first = word.data() + (word[0] == '+' ? 1 : 0);
-    double value = 0;
-    const auto [last, error] = std::from_chars(first, word.data() + word.size(), value);
-    if (error != std::errc() || last != word.data() + word.size())
-      throw InputError(fmt::format("{}: '{}' is not a number; write for example 0.5,-1e-3", who, word));
-    numbers.push_back(value);
-    begin = text.find_first_not_of(separators, end);
+  constexpr const char* blanks = " \t\n";
+  bool after_comma = false;
+  for (std::size_t begin = text.find_first_not_of(blanks); begin != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(", \t\n", begin), text.size());
+    if (begin == end) throw InputError(fmt::format("{}: a number is missing before a comma in '{}'", who, text));
+    numbers.push_back(read_number(who, text.substr(begin, end - begin)));
+    begin = text.find_first_not_of(blanks, end);
+    after_comma = begin != text.npos && text[begin] == ',';
+    if (after_comma) begin = text.find_first_not_of(blanks, begin + 1);
   }
+  if (after_comma) throw InputError(fmt::format("{}: a number is missing after the last comma of '{}'", who, text));
   return numbers;
 }
 
@@ -126,9 +161,10 @@ struct StateProgram::State {
           ->allow_extra_args(false);
     }
     app.add_option("--state", state_file,
-                   std::string("JSON file with t, q, v") + (loads ? ", tau, wrenches" : "") + ", all optional");
+                   std::string("JSON file with t, q, v") + (loads ? ", tau, wrenches" : "") + ", all optional")
+        ->check(given());
     app.add_option("--format", format, "text or json")->check(CLI::IsMember({"text", "json"}))->capture_default_str();
-    app.add_option("--out", out, "file to write to (default: standard output)");
+    app.add_option("--out", out, "file to write to (default: standard output)")->check(given());
     app.add_flag_callback(
         "--list-models", [] { throw(print_models(), CLI::Success()); }, "print the generators, and end");
     app.add_flag_callback(
@@ -182,7 +218,7 @@ StateProgram::StateProgram(std::string name, std::string description, bool takes
 StateProgram::~StateProgram() = default;
 
 void StateProgram::option(const std::string& name, std::string& value, const std::string& help) {
-  state_->app.add_option(name, value, help)->capture_default_str();
+  state_->app.add_option(name, value, help)->check(given())->capture_default_str();
 }
 
 void StateProgram::flag(const std::string& name, bool& value, const std::string& help) {
@@ -197,8 +233,9 @@ void StateProgram::numbers(const std::string& name, std::optional<std::vector<do
 
 int StateProgram::run(int argc, const char* const* argv, const std::function<StateOutput(const StateInput&)>& body) {
   constexpr int bad_input = 2;
+  const Words words = with_numbers_protected(argc, argv);
   try {
-    state_->app.parse(argc, argv);
+    state_->app.parse(Words(words.rbegin(), words.rend() - 1));  // CLI11 takes a vector from its end, without the program
   } catch (const CLI::ParseError& error) {
     return state_->app.exit(error) == 0 ? 0 : bad_input;
   }

@@ -50,7 +50,7 @@ class StateProgram {
   std::unique_ptr<State> state_;
 };
 
-/// "1,2.5,-3e-2", commas or spaces between. Throws InputError naming `who` and what is no number.
+/// "1,2.5,-3e-2", a comma or spaces between. Throws InputError naming `who` and what is no number, or missing.
 std::vector<double> read_numbers(const std::string& who, const std::string& text);
 
 }  // namespace lanc

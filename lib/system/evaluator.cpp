@@ -143,6 +143,21 @@ void Evaluator<S>::apply_point_force(int body, const Vec3<S>& arm, const Vec3<S>
   if (body != ground) system_.rhs.force[body] += {cross(arm, force), force};
 }
 
+/// Force on end a of a spring whose other end is away by `d` and moves away with `speed`. A spring without rest length
+/// pulls with stiffness · d, smooth at d = 0; its damper there acts along the speed, as it does just before and after.
+/// A spring with a rest length has no limit at d = 0: the force is not a number.
+template <class S>
+Vec3<S> spring_pull(const PointSpring& spring, const Vec3<S>& d, const Vec3<S>& speed) {
+  const S stiffness(spring.stiffness), damping(spring.damping);
+  const bool smooth = spring.rest_length == 0 || spring.stiffness == 0;
+  if (smooth && spring.damping == 0) return d * stiffness;
+  const S length = sqrt(dot(d, d));
+  constexpr double shortest = 1e-150;  // below, d · d loses its digits
+  if (smooth && to_double(length) < shortest) return d * stiffness + speed * damping;
+  const Vec3<S> u = {d.x / length, d.y / length, d.z / length};
+  return u * (stiffness * (length - S(spring.rest_length)) + damping * dot(u, speed));
+}
+
 template <class S>
 void Evaluator<S>::apply_springs() {
   positions();
@@ -158,10 +173,7 @@ void Evaluator<S>::apply_springs() {
   for (const PointSpring& spring : system_.model.springs()) {
     const End a = end(spring.body_a, spring.point_a), b = end(spring.body_b, spring.point_b);
     const Vec3<S> d = b.position - a.position;
-    const S length = sqrt(dot(d, d));
-    const Vec3<S> u = {d.x / length, d.y / length, d.z / length};
-    const S rate = dot(u, b.velocity - a.velocity);
-    const Vec3<S> pull = u * (S(spring.stiffness) * (length - S(spring.rest_length)) + S(spring.damping) * rate);
+    const Vec3<S> pull = spring_pull(spring, d, b.velocity - a.velocity);
     apply_point_force(spring.body_a, a.arm, pull);
     apply_point_force(spring.body_b, b.arm, -pull);
   }

@@ -1,7 +1,5 @@
 // The programs solve, inverse and inspect as a shell sees them: arguments in, JSON, text and exit codes out.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <Eigen/Dense>
 #include <array>
@@ -12,63 +10,14 @@
 #include <sstream>
 
 #include "lib/formulation/formulation.h"
+#include "tests/support/programs.h"
 
 namespace {
 
+using lanc::test::folder, lanc::test::run, lanc::test::text_of, lanc::test::write, lanc::test::Finished,
+    lanc::test::Words;
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
-
-struct Finished {
-  int exit_code = -1;
-  std::string out, error;
-  Json json() const { return Json::parse(out); }
-};
-
-/// A folder of this process's own, removed at the end.
-const fs::path& folder() {
-  struct Temporary {
-    fs::path path = fs::temp_directory_path() / ("lanc-cli-test-" + std::to_string(::getpid()));
-    Temporary() { fs::create_directories(path); }
-    ~Temporary() { fs::remove_all(path); }
-  };
-  static const Temporary temporary;
-  return temporary.path;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::string write(const std::string& name, const std::string& text) {
-  std::ofstream(folder() / name) << text;
-  return (folder() / name).string();
-}
-
-std::string quoted(const std::string& word) {
-  std::string text(1, '\'');
-  for (const char c : word) {
-    if (c == '\'')
-      text += "'\\''";
-    else
-      text += c;
-  }
-  text += '\'';
-  return text;
-}
-
-/// Runs the program that lies beside this test.
-Finished run(const std::string& program, const Words& arguments) {
-  const fs::path bin = fs::read_symlink("/proc/self/exe").parent_path();
-  const fs::path out = folder() / "stdout", error = folder() / "stderr";
-  std::ostringstream command;
-  command << quoted((bin / program).string());
-  for (const std::string& argument : arguments) command << ' ' << quoted(argument);
-  command << " >" << quoted(out.string()) << " 2>" << quoted(error.string()) << " </dev/null";
-  const int status = std::system(command.str().c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(error)};
-}
 
 Words keys(const Json& object) {
   Words names;
@@ -173,6 +122,23 @@ TEST(Solve, OptionsMayComeBeforeTheModel) {
   EXPECT_EQ(r.json()["vdot"], run("solve", {"chain:2", "--q", "0.1,-0.2", "--format", "json"}).json()["vdot"]);
 }
 
+TEST(Solve, NegativeNumbersMayStandAsWordsOfTheirOwn) {
+  const Json by_one_word = run("solve", {"chain:3", "--q=-.5,-0.25,-1e-3", "--v=-.5,-2,-0.5", "--time=-.5",
+                                         "--tau=-.5,0,-3", "--format", "json"})
+                               .json();
+  for (const Words& options :
+       {Words{"--q", "-.5", "-.25", "-1e-3", "--v", "-.5,-2", "-.5", "--time", "-.5", "--tau", "-.5", "0", "-3"},
+        Words{"--q", "-.5,-.25", "-.1e-2", "--v", "-.5", "-2,-.5", "--time", "-.5", "--tau", "-.5,-.0", "-3"}}) {
+    Words arguments = {"chain:3", "--format", "json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Finished r = run("solve", arguments);
+    ASSERT_EQ(r.exit_code, 0) << r.error;
+    EXPECT_EQ(r.json()["vdot"], by_one_word["vdot"]);
+  }
+  EXPECT_EQ(run("solve", {"chain:1", "--wrench", "b1=-.5,-1e-3,-1,-.2,-3,0"}).exit_code, 0);
+  EXPECT_EQ(run("inverse", {"chain:2", "--vdot", "-.5", "-1e-3"}).exit_code, 0);
+}
+
 TEST(Solve, EveryFormulationAnswersOrSaysWhyNot) {
   for (const char* model : {"chain:4", "random:12:seed=5", "random:12:seed=6:massless=no"}) {
     const Finished all = run("solve", {model, "--formulation", "all", "--format", "json"});
@@ -230,7 +196,10 @@ motion = { type = "spline", times = [0, 1, 2, 2.5], values = [0, 1, 0, 1] }
   EXPECT_EQ(outside.exit_code, 1);
   EXPECT_EQ(outside.json()["status"], "not_finite");
   EXPECT_TRUE(outside.json()["drive_force"].is_null());
-  EXPECT_EQ(run("inverse", {model, "--time", "3", "--format", "json"}).json()["status"], "not_finite");
+  const Json inverse = run("inverse", {model, "--time", "3", "--format", "json"}).json();
+  EXPECT_EQ(inverse["status"], "not_finite");
+  for (const Json& told : {outside.json()["message"], inverse["message"]})
+    EXPECT_NE(told.get<std::string>().find("prescribed motion of joint 'hinge'"), std::string::npos) << told;
 }
 
 TEST(Solve, ExportedMatricesGiveTheSameAnswer) {
@@ -341,6 +310,9 @@ TEST(CommandLine, BadInputExitsWithTwoAndSaysWhatToMend) {
   };
   const std::string bad_json = write("bad.json", "{\"q\": [0.1,\n}"), odd_json = write("odd.json", "{\"x\": 1}"),
                     list_json = write("list.json", "[1]"), word_json = write("word.json", "{\"q\": \"a\"}"),
+                    twice_json = write("twice.json", R"({"q": [0, 0], "q": [1, 1]})"),
+                    twice_body_json =
+                        write("twice_body.json", R"({"wrenches": {"b1": [0,0,0,0,0,0], "b1": [1,0,0,0,0,0]}})"),
                     bad_toml = write("bad.toml", "[[body]]\nname = \"b\"\nmass = 1\ncolour = 1\n");
   const std::vector<Case> cases = {
       {{}, "MODEL is required"},
@@ -352,6 +324,11 @@ TEST(CommandLine, BadInputExitsWithTwoAndSaysWhatToMend) {
       {{"chain:2", "--q", ""}, "q has 0 numbers"},
       {{"chain:2", "--v", "1,two"}, "--v: 'two' is not a number"},
       {{"chain:2", "--v", "1,nan"}, "v: j2.angle_rate is not a finite number"},
+      {{"chain:2", "--q", "1,,2"}, "--q: a number is missing before a comma in '1,,2'"},
+      {{"chain:2", "--q", ",1,2"}, "--q: a number is missing before a comma"},
+      {{"chain:2", "--q", "1,2,"}, "--q: a number is missing after the last comma of '1,2,'"},
+      {{"chain:2", "--v", "1", ",", ",", "2"}, "--v: a number is missing before a comma in '1 , , 2'"},
+      {{"chain:2", "--v", "1,+-2"}, "--v: '+-2' is not a number"},
       {{"chain:2", "--time", "inf"}, "the time is not a finite number"},
       {{"chain:2", "--tau", "1,2,3"}, "tau has 3 numbers, the model needs 2"},
       {{"chain:2", "--tau", "1,1e999"}, "'1e999' is not a number"},
@@ -368,6 +345,13 @@ TEST(CommandLine, BadInputExitsWithTwoAndSaysWhatToMend) {
       {{"chain:2", "--state", odd_json}, "unknown key 'x'"},
       {{"chain:2", "--state", list_json}, "not a JSON object"},
       {{"chain:2", "--state", word_json}, "arrays of numbers, are expected"},
+      {{"chain:2", "--state", twice_json}, "twice.json: the key 'q' is there twice; remove one"},
+      {{"chain:2", "--state", twice_body_json}, "twice_body.json: the key 'b1' is there twice"},
+      {{"chain:2", "--state", "."}, ".: this is a directory; name a JSON file in it"},
+      {{"chain:2", "--state", ""}, "--state: nothing is given"},
+      {{"chain:2", "--export", ""}, "--export: nothing is given"},
+      {{"chain:2", "--formulation", ""}, "--formulation: nothing is given"},
+      {{"chain:2", "--out", ""}, "--out: nothing is given"},
       {{"chain:2", "--out", "/nosuch/folder/file"}, "cannot be written"},
       {{"chain:2", "--export", "/proc/nosuch"}, "cannot be made"},
       {{"chain:4000", "--export", folder().string()}, "at most 3000"},

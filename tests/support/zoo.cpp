@@ -113,6 +113,13 @@ std::vector<std::pair<std::string, Make>> solvable() {
            s.bodies[0].allow_nonphysical_inertia = true;
          });
        }},
+      {"mass matrix not positive definite",
+       [] {
+         return edited(chain(4, "revolute"), [](ModelSpec& s) {
+           s.bodies[1].inertia = -20 * Eigen::Matrix3d::Identity();
+           s.bodies[1].allow_nonphysical_inertia = true;
+         });
+       }},
       {"armature", [] { return with_coordinates({.armature = 0.3}); }},
       {"joint springs and dampers", [] { return with_coordinates({.stiffness = 5, .rest = 0.2, .damping = 0.4}); }},
       {"joint friction", [] { return with_coordinates({.friction_positive = 0.5, .friction_negative = 0.3}); }},
