@@ -25,6 +25,9 @@ struct Eq14Layout {
   bool upper_triangle = false;  // keep only what stands on and above the diagonal; rows and columns must agree
 };
 
+/// Where a block of a body begins among the rows (order: layout.rows) or the columns (layout.columns). O(1).
+int position(const Model& model, const Eq14Layout& layout, const BlockOrder& order, int body, Block block);
+
 /// Eq. 14 in compressed columns (starts, rows ascending in each column, values), structural zeros left out: a rigid M_i
 /// has 24 entries, B_ip 12, a rotation or translation column 3, the armature 1; 66 per revolute body, 39 in one
 /// triangle. Allocates in the constructor only. S: double, long double, Count. Tested by
@@ -55,17 +58,20 @@ class Eq14Matrix {
   const Eq14Layout& layout() const { return layout_; }
 
   /// First row and first column of a block of a body.
-  int row(int body, Block block) const { return position(layout_.rows, body, block); }
-  int column(int body, Block block) const { return position(layout_.columns, body, block); }
+  int row(int body, Block block) const { return places_[body].row[static_cast<int>(block)]; }
+  int column(int body, Block block) const { return places_[body].column[static_cast<int>(block)]; }
   int body_of_column(int column) const;
 
  private:
-  int start(int body) const;
-  int position(const BlockOrder& order, int body, Block block) const;
   void build();
+
+  struct Places {
+    std::array<int, 3> row, column;  // where the blocks begin
+  };
 
   Model model_;
   Eq14Layout layout_;
+  std::vector<Places> places_;  // by body
   std::vector<int> starts_, rows_;
   std::vector<S> values_;
   std::vector<int> slots_;  // where the entries that vary go, in the order in which refill() meets them
