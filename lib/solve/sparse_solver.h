@@ -30,6 +30,10 @@ enum class EliminationOrder : unsigned char {
 
 struct SparseOptions {
   EliminationOrder order = EliminationOrder::as_given;
+  bool symmetric = false;  // the matrix is its own transpose, in pattern and values
+  /// With `as_given`, where a library takes them (KLU): the row and the column eliminated k-th; empty: from left to
+  /// right.
+  std::vector<int> pivot_rows, pivot_columns;
   /// Least size of a pivot relative to the largest candidate; 0 takes the diagonal whatever its size. Not used by
   /// factorisations that do not pivot (CHOLMOD) or always find a good one (SPQR).
   double pivot_tolerance = 0;

@@ -55,6 +55,7 @@ void varying_entries(const Model& model, int i, const typename System<S>::Body& 
       own(vdot, moment(0), C.angular.x), own(vdot, moment(1), C.angular.y), own(vdot, moment(2), C.angular.z);
     if (kind != ColumnKind::rotation)
       own(vdot, force(0), C.linear.x), own(vdot, force(1), C.linear.y), own(vdot, force(2), C.linear.z);
+    if (!model.has_armature()) continue;
     if (const double armature = model.armature()[link.v + k]; armature != 0) own(vdot, vdot, S(armature));
   }
 }
@@ -115,16 +116,23 @@ struct Sample {
   }
 };
 
-int offset(const BlockOrder& order, Block block, int nv) {
-  int result = 0;
-  for (const Block b : order) {
-    if (b == block) break;
-    result += b == Block::velocity ? nv : 6;
-  }
-  return result;
+/// First row and column of a body. Bodies are numbered root to leaf; the matrix has them in that order or its reverse.
+int start(const Model& model, const Eq14Layout& layout, int body) {
+  const Link& link = model.link(body);
+  if (layout.bodies == BodyOrder::root_to_leaf) return 12 * body + link.v;
+  return 12 * (model.bodies() - 1 - body) + model.nv() - (link.v + link.nv);
 }
 
 }  // namespace
+
+int position(const Model& model, const Eq14Layout& layout, const BlockOrder& order, int body, Block block) {
+  int result = start(model, layout, body);
+  for (const Block b : order) {
+    if (b == block) break;
+    result += b == Block::velocity ? model.link(body).nv : 6;
+  }
+  return result;
+}
 
 template <class S>
 std::optional<std::string> Eq14Matrix<S>::objection(const Model& model) {
@@ -143,6 +151,13 @@ Eq14Matrix<S>::Eq14Matrix(const Model& model, const Eq14Layout& layout) : model_
   if (layout.upper_triangle && layout.rows != layout.columns)
     throw InputError("half of eq. 14 needs the same order of blocks in rows and columns");
   if (model.has_closures()) place_closures();
+  places_.resize(model.bodies());
+  for (int i = 0; i < model.bodies(); ++i)
+    for (const Block block : {Block::acceleration, Block::wrench, Block::velocity}) {
+      const int before = closures_before_.empty() ? 0 : closures_before_[i];
+      places_[i].row[static_cast<int>(block)] = before + position(model, layout, layout.rows, i, block);
+      places_[i].column[static_cast<int>(block)] = before + position(model, layout, layout.columns, i, block);
+    }
   build();
 }
 
@@ -197,16 +212,7 @@ void Eq14Matrix<S>::place_closures() {
 /// Bodies are numbered root to leaf; the matrix has them in that order or in its reverse.
 template <class S>
 int Eq14Matrix<S>::start(int body) const {
-  const Link& link = model_.link(body);
-  const int closures = closures_before_.empty() ? 0 : closures_before_[body];
-  if (layout_.bodies == BodyOrder::root_to_leaf) return 12 * body + link.v + closures;
-  return 12 * (model_.bodies() - 1 - body) + model_.nv() - (link.v + link.nv) + closures;
-}
-
-template <class S>
-int Eq14Matrix<S>::position(const BlockOrder& order, int owner, Block block) const {
-  if (block == Block::closure) return closure_place_[owner];
-  return start(owner) + offset(order, block, model_.link(owner).nv);
+  return (closures_before_.empty() ? 0 : closures_before_[body]) + lanc::start(model_, layout_, body);
 }
 
 template <class S>
@@ -305,7 +311,8 @@ void Eq14Matrix<S>::refill(const System<S>& system, std::span<const char> indepe
   if (layout_.upper_triangle) {
     run([&](Unknown, int, Unknown, int, const S& value) { values[*slot++] = value; });
   } else {
-    run([&](Unknown u, int ub, Unknown w, int wb, const S& value) {
+    // Inlined, the comparison is one of constants; g++ 12 would make 24 calls a body.
+    run([&](Unknown u, int ub, Unknown w, int wb, const S& value) __attribute__((always_inline)) {
       values[*slot++] = value;
       if (!(ub == wb && u.block == w.block && u.k == w.k)) values[*slot++] = value;
     });

@@ -26,6 +26,10 @@ struct Eq14Layout {
   bool upper_triangle = false;  // keep only what stands on and above the diagonal; rows and columns must agree
 };
 
+/// Where a block of a body begins among the rows (order: layout.rows) or the columns (layout.columns) of a model
+/// without closures. O(1).
+int position(const Model& model, const Eq14Layout& layout, const BlockOrder& order, int body, Block block);
+
 /// Eq. 14 in compressed columns (starts, rows ascending in each column, values), structural zeros left out: a rigid M_i
 /// has 24 entries, B_ip 12, a rotation or translation column 3, the armature 1; 66 per revolute body, 39 in one
 /// triangle.
@@ -64,20 +68,28 @@ class Eq14Matrix {
   const Eq14Layout& layout() const { return layout_; }
 
   /// First row and first column of a block of a body, or of a closure row for Block::closure.
-  int row(int owner, Block block) const { return position(layout_.rows, owner, block); }
-  int column(int owner, Block block) const { return position(layout_.columns, owner, block); }
+  int row(int owner, Block block) const {
+    return block == Block::closure ? closure_place_[owner] : places_[owner].row[static_cast<int>(block)];
+  }
+  int column(int owner, Block block) const {
+    return block == Block::closure ? closure_place_[owner] : places_[owner].column[static_cast<int>(block)];
+  }
   /// Whose column it is: the closure row, or −1; and the body (of a closure row, the body it stands behind).
   int closure_of_column(int column) const;
   int body_of_column(int column) const;
 
  private:
   int start(int body) const;
-  int position(const BlockOrder& order, int owner, Block block) const;
   void place_closures();
   void build();
 
+  struct Places {
+    std::array<int, 3> row, column;  // where the blocks begin
+  };
+
   Model model_;
   Eq14Layout layout_;
+  std::vector<Places> places_;  // by body
   std::vector<int> starts_, rows_;
   std::vector<S> values_;
   std::vector<int> closures_before_;  // per body: the closure rows that stand before it; empty without closures
