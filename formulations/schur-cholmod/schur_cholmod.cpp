@@ -144,9 +144,6 @@ class SchurCholmod final : public Formulation<S> {
 };
 
 std::optional<std::string> objection(const Model& model) {
-  if (const auto& couplers = model.closures().couplers; !couplers.empty())
-    return fmt::format("coupler row '{}' acts on velocities of joints, which maximal coordinates do not have",
-                       model.closures().row_names[couplers[0].row]);
   for (int i = 0; i < model.bodies(); ++i)
     if (const int rank = inertia_rank(model, i); rank < 6)
       return fmt::format("body '{}' has a spatial inertia of rank {}, and maximal coordinates divide by it",

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "formulations/schur-cholmod/dual_basis.h"
 
@@ -68,6 +67,12 @@ std::int64_t SchurMatrix<S>::count_nonzeros(const Model& model) {
       const std::int64_t m = c.conditions().count;
       total += m * (sum[body] + m);
       sum[body] += m;
+    }
+  for (const Coupler& c : model.closures().couplers)
+    for (const Coupler::Term& term : c.terms) {
+      const int body = model.body_of_velocity(term.v), parent = model.link(body).parent;
+      total += ++sum[body];
+      if (parent != ground) total += ++sum[parent];
     }
   return total;
 }
@@ -138,66 +143,6 @@ void SchurMatrix<S>::build() {
       values_[starts_[joint.start + b + 1] - 1] = S(1.0);  // a regular sample for the solver
     }
   }
-}
-
-template <class S>
-void SchurMatrix<S>::append_closures() {
-  const ClosureSet& set = model_.closures();
-  closure_start_ = size();
-  end_body_.assign(2 * set.rows(), ground);
-  for (const Closure& c : set.closures)
-    for (int k = c.row; k < c.row + c.conditions().count; ++k)
-      end_body_[2 * k] = c.body_a, end_body_[2 * k + 1] = c.body_b;
-  end_w_.resize(end_body_.size()), end_z_.resize(end_body_.size());
-
-  std::vector<std::vector<int>> children(model_.bodies()), ends(model_.bodies());
-  for (int i = 0; i < model_.bodies(); ++i)
-    if (const int p = model_.link(i).parent; p != ground) children[p].push_back(i);
-  using With = typename Meeting::With;
-  for (int k = 0; k < set.rows(); ++k) {
-    std::map<int, std::vector<Meeting>> column;  // by row
-    for (const int end : {2 * k, 2 * k + 1}) {
-      const int body = end_body_[end];
-      if (body == ground) continue;
-      ends[body].push_back(end);
-      const auto meet = [&](int joint, With with) {
-        for (int a = 0; a < joints_[joint].size; ++a)
-          column[joints_[joint].start + a].push_back({with, end, joints_[joint].first + a, 0});
-      };
-      meet(body, With::joint);
-      for (const int child : children[body]) meet(child, With::joint_of_child);
-      for (const int other : ends[body]) column[closure_start_ + other / 2].push_back({With::closure, end, other, 0});
-    }
-    for (auto& [row, terms] : column) {
-      for (Meeting& m : terms) m.slot = static_cast<int>(rows_.size()), meetings_.push_back(m);
-      rows_.push_back(row);
-    }
-    starts_.push_back(static_cast<int>(rows_.size()));
-  }
-  values_.resize(rows_.size(), S(0.0));
-  for (int k = closure_start_; k < size(); ++k) values_[starts_[k + 1] - 1] = S(1.0);
-}
-
-template <class S>
-void SchurMatrix<S>::refill_closures(const System<S>& system) {
-  for (std::size_t end = 0; end < end_body_.size(); ++end) {
-    const auto& row = system.closure_rows[end / 2];
-    end_w_[end] = end % 2 == 0 ? row.a : row.b;
-    if (end_body_[end] != ground) end_z_[end] = bodies_[end_body_[end]].times(end_w_[end]);
-  }
-  std::fill(values_.begin() + starts_[closure_start_], values_.end(), S(0.0));
-  for (const Meeting& m : meetings_) {
-    if (!counts_[m.end / 2]) continue;
-    switch (m.with) {
-      case Meeting::With::joint: values_[m.slot] += dot(end_z_[m.end], w_[m.other]); break;
-      case Meeting::With::joint_of_child: values_[m.slot] += dot(end_z_[m.end], y_[m.other]); break;
-      case Meeting::With::closure:
-        if (counts_[m.other / 2]) values_[m.slot] += dot(end_z_[m.end], end_w_[m.other]);
-        break;
-    }
-  }
-  for (std::size_t k = 0; k < counts_.size(); ++k)
-    if (!counts_[k]) values_[starts_[closure_start_ + k + 1] - 1] = S(1.0);
 }
 
 /// W_i and P_i from C_i. Columns that are pure rotations and translations have complements of the same kind.
@@ -313,13 +258,7 @@ void SchurMatrix<S>::scatter(const System<S>& system, const RightHandSide<S>& rh
     for (int k = link.v + link.nv - 1, row = joint.start + joint.size - 1; k >= link.v; --k)
       if (const double armature = model_.armature()[k]; armature != 0) b[row--] += rhs.tau[k] / S(armature);
   }
-  for (std::size_t k = 0; k < counts_.size(); ++k) {  // G_s â + γ̿ = 0
-    S& entry = b[closure_start_ + k] = S(0.0);
-    if (!counts_[k]) continue;
-    entry = -rhs.closure[k];
-    for (const std::size_t end : {2 * k, 2 * k + 1})
-      if (end_body_[end] != ground) entry -= dot(free_[end_body_[end]], end_w_[end]);
-  }
+  scatter_closures(rhs, b);
 }
 
 template <class S>
@@ -335,10 +274,11 @@ void SchurMatrix<S>::gather(const System<S>& system, const RightHandSide<S>& rhs
     solution.wrench[i] = f;
     if (link.nv > 0) solution.wrench[i] += known_[i];
   }
-  for (std::size_t k = 0; k < counts_.size(); ++k) {
-    solution.lambda[k] = mu[closure_start_ + k];
-    for (const std::size_t end : {2 * k, 2 * k + 1})
-      if (end_body_[end] != ground) load_[end_body_[end]] += end_w_[end] * solution.lambda[k];
+  for (std::size_t k = 0; k < counts_.size(); ++k) solution.lambda[k] = mu[closure_start_ + k];
+  for (std::size_t e = 0; e < ends_.size(); ++e) {
+    const Wrench<S> reaction = end_w_[e] * solution.lambda[ends_[e].row];
+    load_[ends_[e].body] += reaction;
+    if (ends_[e].what == End::What::coordinate) solution.wrench[ends_[e].body] += reaction;
   }
   for (int i = 0; i < model_.bodies(); ++i) {
     const Link& link = model_.link(i);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 
 #include "lib/system/system.h"
@@ -20,7 +21,9 @@ namespace lanc {
 /// with k joints makes a dense block of k; joints leaf to root are a perfect elimination order, without fill.
 ///
 /// A closure is a set of conditions more, on the bodies it acts on: its rows G_s join G, its λ the unknowns, after all
-/// joints, which fills. Rows that depend on others are replaced by λ = 0. Couplers, which act on η̇, have no place here.
+/// joints, which fills. Rows that depend on others are replaced by λ = 0. A coupler is one on P_iᵀ d_i, so it acts by
+/// P_i on a body and by −B_ipᵀ P_i on its parent; φ of a freedom with armature holds what the coupler adds to τ, hence
+/// Σ f η̇ with η̇ = (τ + f λ − φ)/A there.
 ///
 /// Allocates in the constructor only. S: double, long double, Count.
 template <class S>
@@ -74,17 +77,33 @@ class SchurMatrix {
     int joint, offset;  // rows of the one joint in the columns of the other
   };
 
-  /// A closure row in one of its bodies meets something else that acts on that body: zᵀ w goes into the slot.
+  /// A closure row on one of the bodies it acts on.
+  struct End {
+    int row, body;
+    enum class What : unsigned char { a, b, coordinate, coordinate_of_child } what;
+    int velocity = -1;  // of a coupler
+    double factor = 0;
+  };
+  /// An end meets something else that acts on its body: zᵀ w goes into the slot.
   struct Meeting {
     enum class With : unsigned char { joint, joint_of_child, closure } with;
-    int end;    // 2 × closure row, or that + 1 on body B
-    int other;  // index in w_, in y_, or another end
-    int slot;
+    int end, other;  // index in w_, in y_, or another end
+    int slot = 0;
   };
+  /// A coupler's row on a freedom with armature.
+  struct Geared {
+    int row, velocity;
+    double factor;
+    int slot = 0;  // of λ with φ
+  };
+  using Column = std::map<int, std::vector<Meeting>>;  // by row of the matrix
 
   void build();
   void append_closures();
+  void find_ends();
+  int armature_unknown(int velocity) const;
   void refill_closures(const System<S>& system);
+  void scatter_closures(const RightHandSide<S>& rhs, std::vector<S>& b) const;
   void joint_bases(const System<S>& system, int i);
 
   Model model_;
@@ -97,9 +116,10 @@ class SchurMatrix {
   std::vector<Wrench<S>> load_, known_;  // loads of the bodies, P τ of the joints
   std::vector<Motion<S>> free_;          // M⁻¹ load
   int closure_start_ = 0;                // of the first closure row in the matrix
-  std::vector<int> end_body_;            // per end
-  std::vector<Wrench<S>> end_w_;         // G_s
-  std::vector<Motion<S>> end_z_;         // M⁻¹ G_sᵀ
+  std::vector<End> ends_;
+  std::vector<Wrench<S>> end_w_;  // G_s
+  std::vector<Motion<S>> end_z_;  // M⁻¹ G_sᵀ
+  std::vector<Geared> geared_;
   std::vector<Meeting> meetings_;
   std::vector<char> counts_;
   std::vector<int> starts_, rows_;
