@@ -7,6 +7,7 @@
 #include "experiments/solve/answer.h"
 #include "lib/io/matrix_market.h"
 #include "lib/report/csv.h"
+#include "lib/system/closure_jacobian.h"
 #include "lib/system/eq14_matrix.h"
 #include "lib/system/mass_matrix.h"
 
@@ -22,12 +23,13 @@ Matrix Market files; a symmetric one holds its lower triangle. SI units, world a
 | file | what |
 |---|---|
 | `mass_matrix.mtx` | M̄ = JᵀMJ with armature; rows in `velocities.csv` |
-| `closure_jacobian.mtx` | G, a column a velocity; without rows where no loop is closed |
-| `eq14.mtx` | the matrix of eq. 14, body by body (â, f̂, η̇); rows in `eq14_rows.csv` |
+| `closure_jacobian.mtx` | G, a column a velocity; rows in `closure_rows.csv`, none where no loop is closed |
+| `eq14.mtx` | the matrix of eq. 14, body by body (â, f̂, η̇), λ of a closure row behind its bodies; rows in `eq14_rows.csv` |
 | `eq14_rhs.mtx` | its right-hand side |
 
 A row of `eq14_rows.csv` names the unknown of that column and the equation of that row: (3) momentum balance, (8)
-acceleration across the joint, (12) force along the joint's freedoms.
+acceleration across the joint, (12) force along the joint's freedoms, and `closure`: −G_s â − G_η η̇ = γ̿. All closure
+rows are there, redundant ones, too.
 )";
 
 std::ofstream open(const std::filesystem::path& path) {
@@ -56,6 +58,21 @@ void write_mass_matrix(const System<double>& system, const std::filesystem::path
   file.finish();
 }
 
+void write_closure_jacobian(const System<double>& system, const std::filesystem::path& folder,
+                            const std::string& comment) {
+  ClosureJacobian<double> G(system.model);
+  G.evaluate(system);
+  MatrixMarket file((folder / "closure_jacobian.mtx").string(), comment,
+                    {G.rows(), system.model.nv(), static_cast<std::int64_t>(G.values().size()), false});
+  for (int k = 0; k < G.rows(); ++k)
+    for (int p = G.starts()[k]; p < G.starts()[k + 1]; ++p) file.entry(k, G.columns()[p], G.values()[p]);
+  file.finish();
+  std::string rows = "row,closure_row\n";
+  for (int k = 0; k < G.rows(); ++k)
+    rows += fmt::format("{},{}\n", k + 1, csv_field(system.model.closures().row_names[k]));
+  write_text(folder / "closure_rows.csv", rows);
+}
+
 std::string eq14_rows(const Model& model, const Eq14Matrix<double>& matrix) {
   constexpr const char* motions[] = {"wdot_x", "wdot_y", "wdot_z", "vdot_x", "vdot_y", "vdot_z"};
   constexpr const char* wrenches[] = {"m_x", "m_y", "m_z", "f_x", "f_y", "f_z"};
@@ -73,6 +90,8 @@ std::string eq14_rows(const Model& model, const Eq14Matrix<double>& matrix) {
     for (int k = 0; k < model.link(i).nv; ++k)
       line(matrix.row(i, Block::velocity) + k, "vdot", velocities[model.link(i).v + k], "12");
   }
+  for (int k = 0; k < model.closures().rows(); ++k)
+    line(matrix.row(k, Block::closure), "lambda", model.closures().row_names[k], "closure");
   std::string text = "row,unknown,of,equation\n";
   for (const std::string& row : rows) text += row;
   return text;
@@ -84,10 +103,14 @@ void write_eq14(const System<double>& system, const std::filesystem::path& folde
   layout.upper_triangle = true;
   Eq14Matrix<double> matrix(system.model, layout);
   matrix.refill(system);
-  MatrixMarket file((folder / "eq14.mtx").string(), comment, {matrix.size(), matrix.size(), matrix.nonzeros(), true});
-  for (int c = 0; c < matrix.size(); ++c)  // a column of the upper triangle is a row of the lower one
+  const int zeros = system.model.closures().rows();  // on the diagonal, kept for rows that do not count
+  MatrixMarket file((folder / "eq14.mtx").string(), comment,
+                    {matrix.size(), matrix.size(), matrix.nonzeros() - zeros, true});
+  for (int c = 0; c < matrix.size(); ++c) {  // a column of the upper triangle is a row of the lower one
+    const bool closure = matrix.closure_of_column(c) >= 0;
     for (int k = matrix.starts()[c]; k < matrix.starts()[c + 1]; ++k)
-      file.entry(c, matrix.rows()[k], matrix.values()[k]);
+      if (!(closure && matrix.rows()[k] == c)) file.entry(c, matrix.rows()[k], matrix.values()[k]);
+  }
   file.finish();
   std::vector<double> b(matrix.size());
   matrix.scatter(system.rhs, b);
@@ -114,7 +137,7 @@ void export_matrices(const StateInput& input, const std::string& folder_name) {
   std::replace(name.begin(), name.end(), '\n', ' ');
   const std::string comment = fmt::format("{} at t = {} s", name, input.state.t);
   write_mass_matrix(system, folder, comment);
-  MatrixMarket((folder / "closure_jacobian.mtx").string(), comment, {0, model.nv(), 0, false}).finish();
+  write_closure_jacobian(system, folder, comment);
   write_eq14(system, folder, comment);
   std::string velocities = "row,velocity\n";
   for (int k = 0; const std::string& velocity : model.velocity_names())

@@ -62,6 +62,22 @@ TEST(SparseLoops, all_formulations_agree_with_the_kkt_system_in_long_double) {
   }
 }
 
+TEST(SparseLoops, are_solved_in_long_double_with_its_digits) {
+  for (const Case& c : closed_loops()) {
+    const System<long double> system = system_in_long_double(c);
+    Outcome expected;
+    const Solution<long double> exact = reference(c, system, expected);
+    for (const FormulationInfo& info : formulations()) {
+      if (!is_sparse(info) || !info.create_long_double || info.objection(c.model)) continue;
+      Solution<long double> solution(c.model);
+      const Outcome outcome = info.create_long_double(c.model)->solve(system, solution);
+      EXPECT_EQ(outcome.status, expected.status) << info.name << " on " << c.name << ": " << outcome.message;
+      const double off = relative(difference(c.model, solution, exact), sizes(system, exact)).worst();
+      EXPECT_TRUE(within_relative(std::string(info.name) + " on " + c.name, off, 1e-13, 1));
+    }
+  }
+}
+
 TEST(SparseLoops, all_variants_of_settings_agree) {
   for (const Case& c : closed_loops()) {
     const System<long double> system = system_in_long_double(c);
