@@ -63,7 +63,7 @@ Answer answer(const FormulationInfo& info, const StateInput& input) {
   const System<double>& system = evaluator.system(input.state, input.loads);
   const auto formulation = info.create_double(input.model);
   result.outcome = formulation->solve(system, result.solution);
-  if (!result.outcome.usable()) return result;
+  if (!result.outcome.has_answer()) return result;
   result.residual = backward_error(system, result.solution).componentwise;
   result.flops = count_flops(info, input, *formulation);
   result.seconds = measure_seconds(info, input);

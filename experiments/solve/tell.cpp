@@ -47,9 +47,23 @@ std::string velocity_table(const StateInput& input, const Solution<double>& solu
   return table.empty() ? "\nNo velocity coordinates\n" : "\nJoint accelerations\n" + table.text();
 }
 
+std::string multiplier_table(const Model& model, const Answer& answer) {
+  const Outcome& outcome = answer.outcome;
+  TextTable table({"closure condition", "multiplier", "unit"});
+  const ClosureSet& set = model.closures();
+  for (int k = 0; k < set.rows(); ++k)
+    table.row({set.row_names[k], table_number(answer.solution.lambda[k]), set.row_is_length[k] ? "N" : "N m"});
+  if (table.empty()) return {};
+  return fmt::format(
+             "\nClosure multipliers: rank {} of {} conditions, {} redundant; singular values {:.2e} and, next, "
+             "{:.2e}\n",
+             outcome.rank, set.rows(), outcome.redundant, outcome.sigma, outcome.next_sigma) +
+         table.text();
+}
+
 std::string cost_table(const Answer& answer) {
   TextTable table({"phase", "flops", "time"});
-  for (const char* name : {"kinematics", "analyse", "assemble", "factorise", "solve", "total"})
+  for (const char* name : {"kinematics", "analyse", "rank", "assemble", "factorise", "solve", "total"})
     table.row({name, count(phase(answer.flops, name)), duration(phase(answer.seconds, name))});
   return "\nCost (analyse: once a model, not in the total)\n" + table.text();
 }
@@ -66,9 +80,11 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 }  // namespace
 
 Json to_json(const Answer& answer, const StateInput& input, double condition) {
-  const bool usable = answer.outcome.usable();
+  const Outcome& outcome = answer.outcome;
+  const bool usable = outcome.has_answer();
   const auto if_usable = [&](Json value) { return usable ? std::move(value) : Json(nullptr); };
-  Json vdot = Json::array(), drives = Json::array();
+  Json vdot = Json::array(), drives = Json::array(), lambda = Json::array();
+  for (const double x : answer.solution.lambda) lambda.push_back(json_number(x));
   for (const double x : answer.solution.vdot) vdot.push_back(json_number(x));
   for (const double x : answer.solution.drive_force) drives.push_back(json_number(x));
   return {{"status", to_string(answer.outcome.status)},
@@ -77,11 +93,13 @@ Json to_json(const Answer& answer, const StateInput& input, double condition) {
           {"vdot", if_usable(vdot)},
           {"acceleration", if_usable(json_rows(answer.solution.acceleration))},
           {"wrench", if_usable(json_rows(answer.solution.wrench))},
-          {"lambda", Json::array()},
+          {"lambda", if_usable(lambda)},
           {"drive_force", if_usable(drives)},
-          {"rank", 0},
-          {"redundant", 0},
-          {"sigma", {nullptr, nullptr}},
+          {"rank", outcome.rank},
+          {"redundant", outcome.redundant},
+          {"sigma",
+           {outcome.rank > 0 ? json_number(outcome.sigma) : Json(nullptr),
+            outcome.redundant > 0 ? json_number(outcome.next_sigma) : Json(nullptr)}},
           {"residual", json_number(answer.residual)},
           {"condition", json_number(condition)},
           {"flops", answer.flops},
@@ -90,22 +108,23 @@ Json to_json(const Answer& answer, const StateInput& input, double condition) {
 
 std::string to_text(const Answer& answer, const StateInput& input, double condition) {
   std::string text = headline(answer, input);
-  if (!answer.outcome.usable()) return text;
+  if (!answer.outcome.has_answer()) return text;
   const Solution<double>& solution = answer.solution;
   text +=
       fmt::format("t = {} s, residual {:.2g} (componentwise backward error of eq. 14)", input.state.t, answer.residual);
   if (!std::isnan(condition)) text += fmt::format(", condition {:.3g} (of M̄ scaled to unit diagonal)", condition);
   return text + "\n" + velocity_table(input, solution) + drive_table(input.model, solution.drive_force) +
          acceleration_table(input.model, solution.acceleration) + wrench_table(input.model, solution.wrench) +
-         cost_table(answer);
+         multiplier_table(input.model, answer) + cost_table(answer);
 }
 
 std::string comparison(const std::vector<Answer>& answers, const StateInput& input) {
-  const auto first = std::find_if(answers.begin(), answers.end(), [](const Answer& a) { return a.outcome.usable(); });
+  const auto first =
+      std::find_if(answers.begin(), answers.end(), [](const Answer& a) { return a.outcome.has_answer(); });
   TextTable table({"formulation", "status", "flops", "time", "residual", "difference"}, 2);
   std::string messages;
   for (const Answer& a : answers) {
-    const bool usable = a.outcome.usable();
+    const bool usable = a.outcome.has_answer();
     table.row({std::string(a.info->name), std::string(to_string(a.outcome.status)), count(phase(a.flops, "total")),
                duration(phase(a.seconds, "total")), usable ? fmt::format("{:.1e}", a.residual) : "-",
                usable ? fmt::format("{:.1e}", difference(a.solution.vdot, first->solution.vdot)) : "-"});

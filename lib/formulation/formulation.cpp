@@ -120,7 +120,8 @@ void Formulation<S>::judge_closures(Outcome& outcome) const {
     return decision.worst_row < 0 ? std::string("?") : model_.closures().row_names[decision.worst_row];
   };
   const auto say = [&](Status status, std::string message) {
-    if (outcome.usable()) outcome.status = status, outcome.message = std::move(message);
+    outcome.status = status, outcome.message = std::move(message);
+    outcome.conditional = !outcome.usable();
   };
   if (!outcome.usable()) return;
   if (std::max(decision.position_violation, decision.velocity_violation) > largest_violation)

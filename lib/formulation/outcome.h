@@ -15,18 +15,24 @@ constexpr std::string_view to_string(Status status) {
   return names[static_cast<int>(status)];
 }
 
-/// `solved` and `redundant` carry an answer that is right; with every other status the numbers must not be used.
+/// `solved` and `redundant` carry an answer that is right. With every other status the numbers must not be used, unless
+/// `conditional`: then they are right under the condition that the message tells.
 struct [[nodiscard]] Outcome {
   Status status = Status::solved;
   std::string message;  // why, and what to do; empty when solved
   /// Estimate of the relative error of the answer from the last refinement step; NaN where it was not made
   /// (Formulation::solve).
   double forward_error = std::numeric_limits<double>::quiet_NaN();
+  /// `inconsistent` or `singular` because of the closure conditions: the numbers obey them by least squares, or at this
+  /// very state only.
+  bool conditional = false;
   // Of the closure conditions, where loops are closed (lib/closure/rank.h).
   int rank = 0, redundant = 0;
   double sigma = 0, next_sigma = 0;  // σ_r and σ_{r+1}
 
   bool usable() const { return status == Status::solved || status == Status::redundant; }
+  /// There are numbers to be told.
+  bool has_answer() const { return usable() || conditional; }
 };
 
 }  // namespace lanc

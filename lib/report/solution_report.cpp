@@ -55,7 +55,7 @@ Json json_names(const Model& model) {
   return {{"velocities", model.velocity_names()},
           {"bodies", bodies},
           {"drives", model.drive_names()},
-          {"closure_rows", Json::array()}};
+          {"closure_rows", model.closures().row_names}};
 }
 
 std::string json_text(const Json& document) {
