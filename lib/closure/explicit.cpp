@@ -61,7 +61,8 @@ double ExplicitClosures::condition_of(const Eigen::MatrixXd& G, const std::vecto
   const Eigen::MatrixXd Gd = G(Eigen::all, complement(independent, model_.nv()));
   const Eigen::VectorXd sigma = Eigen::BDCSVD<Eigen::MatrixXd>(Gd).singularValues();
   const double smallest = sigma[sigma.size() - 1];
-  return smallest > 0 ? sigma[0] / smallest : std::numeric_limits<double>::infinity();
+  const double largest = std::max(sigma[0], G.rowwise().norm().maxCoeff());
+  return smallest > 0 ? largest / smallest : std::numeric_limits<double>::infinity();
 }
 
 /// Pivots become dependent: first all that are no candidates, then, in their orthogonal complement, the best others.
@@ -87,20 +88,24 @@ std::vector<int> ExplicitClosures::best_choice(const Eigen::MatrixXd& G) const {
   return complement(dependent, nv);
 }
 
-const ExplicitConditions& ExplicitClosures::at(const System<double>& system, const ClosureDecision& decision) {
-  const Eigen::MatrixXd G = scaled_rows(system, decision.independent);
+const std::vector<int>& ExplicitClosures::choice(const Eigen::MatrixXd& G, double t) {
   conditions_.condition = chosen_ ? condition_of(G, conditions_.independent) : std::numeric_limits<double>::infinity();
   if (!(conditions_.condition <= options_.leave)) {
     std::vector<int> better = best_choice(G);
     const double condition = condition_of(G, better);
     if (!chosen_ || condition * options_.gain < conditions_.condition) {
-      if (chosen_)
-        changes_.push_back({system.state.t, conditions_.independent, better, conditions_.condition, condition});
+      if (chosen_) changes_.push_back({t, conditions_.independent, better, conditions_.condition, condition});
       conditions_.independent = std::move(better);
       conditions_.condition = condition;
       chosen_ = true;
     }
   }
+  return conditions_.independent;
+}
+
+const ExplicitConditions& ExplicitClosures::at(const System<double>& system, const ClosureDecision& decision) {
+  const Eigen::MatrixXd G = scaled_rows(system, decision.independent);
+  choice(G, system.state.t);
   const int nv = model_.nv(), f = static_cast<int>(conditions_.independent.size());
   conditions_.dependent = complement(conditions_.independent, nv);
 

@@ -18,7 +18,9 @@ struct ExplicitConditions {
   Eigen::MatrixXd J;                        // J*, nv × f: [1; −(G^d)⁻¹ Gⁱ], so that G J* = 0
   Eigen::VectorXd eta;                      // η̄, nv: [0; −(G^d)⁻¹ γ̄]
   Eigen::VectorXd eta_bias;                 // η̿, nv: [0; −(G^d)⁻¹ γ̿]
-  double condition = 1;                     // σ_max / σ_min of the scaled G^d; infinite where it is singular
+  /// σ_max / σ_min of the scaled G^d, or the longest row of G over σ_min where that is more, so that a G^d of one small
+  /// number is told, too; infinite where it is singular.
+  double condition = 1;
 };
 
 /// A change of the independent velocities.
@@ -46,6 +48,10 @@ class ExplicitClosures {
   /// At the state of `system`, with the rows of G that the decision calls independent. Throws InputError when the
   /// candidates leave more velocities to be dependent than there are conditions.
   const ExplicitConditions& at(const System<double>& system, const ClosureDecision& decision);
+  /// The choice alone, kept or changed: independent velocities for the independent rows of the scaled G at time t.
+  const std::vector<int>& choice(const Eigen::MatrixXd& G, double t);
+  /// Of the G^d of that choice.
+  double condition() const { return conditions_.condition; }
   /// The next state starts with a choice of its own. The log is kept.
   void forget() { chosen_ = false; }
   /// The user's choice, to begin with; f velocities.
