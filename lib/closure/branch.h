@@ -31,6 +31,7 @@ class BranchTracer {
   /// = 1.
   BranchTracer(const Model& model, const State<double>& start, int rank, const Eigen::VectorXd& towards = {});
 
+  const Model& model() const { return model_; }
   const BranchPoint& here() const { return here_; }
   /// One step of arc length h (negative: backward): along the tangent, then back to g = 0 perpendicularly. Halves the
   /// step until the correction is small against it; the step it took is the change of here().arc. False when nothing

@@ -14,14 +14,15 @@ BodySpec rod(std::string name, const Eigen::Vector3d& tip) {
   return body;
 }
 
-JointSpec hinge(std::string name, std::string parent, std::string body, const Eigen::Vector3d& position) {
+JointSpec hinge(std::string name, std::string parent, std::string body, const Eigen::Vector3d& position,
+                const Eigen::Vector3d& axis = Eigen::Vector3d::UnitY()) {
   JointSpec joint;
   joint.name = std::move(name);
   joint.kind = *find_joint_kind("revolute");
   joint.parent = std::move(parent);
   joint.body = std::move(body);
   joint.frame.position = position;
-  joint.axis = Eigen::Vector3d::UnitY();
+  joint.axis = axis;
   return joint;
 }
 
@@ -106,6 +107,33 @@ Mechanism four_bar_chain(const FourBarOptions& options, const std::string& name)
     base = coupler;
   }
   return a.mechanism();
+}
+
+Model planar_four_bar(double a, double b, double c, double d, bool hinge_cut) {
+  ModelSpec spec;
+  spec.name = "planar four-bar";
+  spec.length = (a + b + c + d) / 4;
+  const auto heavy_rod = [](const char* name, const Eigen::Vector3d& tip) {
+    BodySpec body = rod(name, tip);
+    body.mass = tip.norm();
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() * tip.squaredNorm() - tip * tip.transpose();
+    body.inertia = body.mass * (across / 12 + Eigen::Matrix3d::Identity() * 1e-3);
+    return body;
+  };
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  spec.bodies = {heavy_rod("crank", {a, 0, 0}), heavy_rod("coupler", {b, 0, 0}), heavy_rod("rocker", {0, -c, 0})};
+  spec.joints = {hinge("beta1", "", "crank", {0, 0, 0}, z), hinge("beta2", "crank", "coupler", {a, 0, 0}, z),
+                 hinge("beta3", "", "rocker", {0, d, 0}, z)};
+  ClosureSpec cut;
+  cut.name = "cut";
+  cut.kind = *find_closure_kind(hinge_cut ? "revolute" : "point-on-line");  // the line is z: rows x and y
+  // the frame that gives the axes of the rows stands on the rocker; for the lecture's rows it would be ground
+  cut.body_a = "rocker";
+  cut.body_b = "coupler";
+  cut.frame_a.position = {0, -c, 0};
+  cut.frame_b.position = {b, 0, 0};
+  spec.closures = {cut};
+  return Model::build(spec);
 }
 
 }  // namespace lanc

@@ -23,4 +23,10 @@ Mechanism four_bar_ladder(const FourBarOptions& options, const std::string& name
 /// N four-bars in series: each stands on the coupler of the one before.
 Mechanism four_bar_chain(const FourBarOptions& options, const std::string& name);
 
+/// One four-bar in the x-y plane, the ground link vertical: crank a, coupler b, rocker c, ground d. Joints beta1
+/// (crank, at the origin), beta2 (coupler on crank), beta3 (rocker, at (0, d)); cut between coupler and rocker by a
+/// point in the plane (rows x, y) or by a hinge (5 rows, 3 redundant). beta1 counts from +x, beta3 from −y. Rods of 1
+/// kg a metre.
+Model planar_four_bar(double a, double b, double c, double d, bool hinge_cut = false);
+
 }  // namespace lanc

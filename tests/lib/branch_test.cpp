@@ -3,9 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/closure/explicit.h"
-#include "lib/system/evaluator.h"
-#include "tests/support/lecture_figures.h"
+#include "lib/io/four_bars.h"
 
 namespace lanc::test {
 namespace {
