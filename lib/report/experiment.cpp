@@ -190,6 +190,7 @@ Cell Experiment::cell(const std::string& name, const Model& model, const std::st
   cell.model = name;
   cell.bodies = model.bodies();
   cell.velocities = model.nv();
+  cell.closure_rows = model.closures().rows();
   cell.formulation = formulation;
   cell.parameters = parameters;
   cell.seed = state_->options.seed;
