@@ -23,8 +23,8 @@ Mechanism load_toml(const std::string& path);
 /// The same from memory; `name` stands for the file in messages.
 Mechanism load_toml_text(std::string_view text, const std::string& name);
 
-/// URDF by urdfdom (data/models/README.md says how it is read). Throws InputError with file and line; `mimic` is an
-/// error that says so. Tested by tests/io.
+/// URDF by urdfdom (data/models/README.md says how it is read). Throws InputError with file and line; `mimic`
+/// becomes a coupler. Tested by tests/io.
 Mechanism load_urdf(const std::string& path);
 /// The same from memory; `name` stands for the file in messages.
 Mechanism load_urdf_text(std::string_view text, const std::string& name);

@@ -9,25 +9,13 @@
 
 #include "lib/io/mechanism.h"
 #include "lib/io/text.h"
+#include "lib/io/toml_parts.h"
 #include "lib/io/toml_reader.h"
 
 namespace lanc {
 namespace {
 
 using Keys = std::span<const std::string_view>;
-
-/// "body 'upper'" for messages, or "a body" as long as it has no usable name.
-std::string label(std::string_view what, const toml::table& table) {
-  const auto* name = table.get_as<std::string>("name");
-  return name ? fmt::format("{} {}", what, in_quotes(name->get())) : fmt::format("a {}", what);
-}
-
-/// The name of a body, or nothing for ground: the key is absent or says "ground".
-std::string body_or_ground(const TomlTable& table, std::string_view key) {
-  if (!table.find(key)) return {};
-  std::string name = table.name(key);
-  return name == "ground" ? std::string() : name;
-}
 
 Eigen::Matrix3d read_inertia(const TomlTable& body) {
   const toml::node* node = body.find("inertia");
@@ -65,25 +53,6 @@ BodySpec read_body(const toml::table& source, const std::string& file) {
   body.inertia = read_inertia(table);
   body.allow_nonphysical_inertia = table.flag("allow_nonphysical_inertia");
   return body;
-}
-
-Eigen::Matrix3d read_rotation(const TomlTable& joint, const std::string& suffix = {}) {
-  const toml::node *quaternion = joint.find("quaternion" + suffix), *rpy = joint.find("rpy" + suffix);
-  if (quaternion && rpy) joint.fail(*rpy, "quaternion and rpy both give the orientation; keep one of them");
-  if (rpy) {
-    const Eigen::Vector3d a = joint.vector("rpy" + suffix);
-    using Eigen::AngleAxisd, Eigen::Vector3d;
-    return (AngleAxisd(a.z(), Vector3d::UnitZ()) * AngleAxisd(a.y(), Vector3d::UnitY()) *
-            AngleAxisd(a.x(), Vector3d::UnitX()))
-        .toRotationMatrix();
-  }
-  if (!quaternion) return Eigen::Matrix3d::Identity();
-  const std::vector<double> e = joint.numbers("quaternion" + suffix);
-  if (e.size() != 4) joint.fail(*quaternion, fmt::format("quaternion needs 4 numbers [w, x, y, z], not {}", e.size()));
-  const Eigen::Quaterniond q(e[0], e[1], e[2], e[3]);
-  if (!(std::abs(q.norm() - 1) <= 1e-6))
-    joint.fail(*quaternion, fmt::format("the quaternion has length {:.9g}, not 1; normalise it", q.norm()));
-  return q.normalized().toRotationMatrix();
 }
 
 /// Calls set(coordinate, entry) for the entry of every velocity coordinate: `key` is a number for a joint of one
@@ -156,39 +125,6 @@ void read_limits(const TomlTable& table, JointSpec& joint) {
   for (const toml::node& entry : *array) joint.limits.push_back(pair(entry));
 }
 
-MotionSpec read_motion(const TomlTable& joint) {
-  static constexpr std::string_view types[] = {"constant-speed", "polynomial", "sine", "spline", "expression"};
-  static constexpr std::string_view speed_keys[] = {"type", "start", "rate"},
-                                    polynomial_keys[] = {"type", "coefficients"},
-                                    sine_keys[] = {"type", "offset", "amplitude", "frequency", "phase"},
-                                    spline_keys[] = {"type", "times", "values"}, formula_keys[] = {"type", "formula"};
-  static constexpr Keys keys[] = {speed_keys, polynomial_keys, sine_keys, spline_keys, formula_keys};
-  const toml::table& source = joint.table("motion");
-  const std::string who = joint.who() + ": motion";
-  const auto* word = source.get("type");
-  const auto* type = word ? word->as_string() : nullptr;
-  const auto found = std::find(std::begin(types), std::end(types), type ? std::string_view(type->get()) : "");
-  if (found == std::end(types))
-    joint.fail(word ? *word : static_cast<const toml::node&>(source),
-               fmt::format("motion needs a type, one of \"{}\"{}", fmt::join(types, "\", \""),
-                           type ? did_you_mean(type->get(), types) : ""));
-  const auto index = static_cast<std::size_t>(found - std::begin(types));
-  const TomlTable motion(source, joint.file(), who, keys[index]);
-  const auto required = [&](std::string_view key) {
-    if (!motion.find(key)) motion.fail(fmt::format("{} is missing", key));
-    return key;
-  };
-  switch (index) {
-    case 0: return ConstantSpeed{motion.number("start"), motion.number(required("rate"))};
-    case 1: return Polynomial{motion.numbers(required("coefficients"))};
-    case 2:
-      return Sine{motion.number("offset"), motion.number(required("amplitude")), motion.number(required("frequency")),
-                  motion.number("phase")};
-    case 3: return SplineTable{motion.numbers(required("times")), motion.numbers(required("values"))};
-    default: return Formula{motion.text(required("formula"))};
-  }
-}
-
 JointSpec read_joint(const toml::table& source, const std::string& file) {
   static constexpr std::string_view keys[] = {
       "name",      "type", "parent",  "body",     "position",       "rpy",    "quaternion", "axis",   "axis2", "pitch",
@@ -202,10 +138,7 @@ JointSpec read_joint(const toml::table& source, const std::string& file) {
   if (!kind) {
     std::array<std::string_view, joint_kinds> names;
     for (unsigned char k = 0; k < joint_kinds; ++k) names[k] = JointKind{k}.traits().name;
-    const std::string mend = did_you_mean(type, names);
-    table.fail(*table.find("type"),
-               fmt::format("unknown joint type {}{}", in_quotes(type),
-                           mend.empty() ? fmt::format("; one of {}", fmt::join(names, ", ")) : mend));
+    unknown_type(table, "joint", type, names);
   }
   joint.kind = *kind;
   joint.parent = body_or_ground(table, "parent");
@@ -219,89 +152,6 @@ JointSpec read_joint(const toml::table& source, const std::string& file) {
   read_limits(table, joint);
   if (table.find("motion")) joint.motion = read_motion(table);
   return joint;
-}
-
-std::vector<std::string> position_names(const JointKind kind) {
-  const JointTraits& traits = kind.traits();
-  return {traits.q_names.begin(), traits.q_names.begin() + traits.nq};
-}
-
-Placement read_placement(const TomlTable& table, const std::string& suffix) {
-  return {read_rotation(table, suffix), table.vector("position" + suffix)};
-}
-
-ClosureSpec read_closure(const toml::table& source, const std::string& file) {
-  static constexpr std::string_view keys[] = {"name",       "type",  "body_a", "body_b",       "position_a",
-                                              "position_b", "rpy_a", "rpy_b",  "quaternion_a", "quaternion_b",
-                                              "axis",       "axis2", "pitch",  "length",       "motion"};
-  const TomlTable table(source, file, label("closure", source), keys);
-  ClosureSpec closure;
-  closure.place = table.place();
-  closure.name = table.name("name");
-  const std::string type = table.name("type");
-  const std::optional<ClosureKind> kind = find_closure_kind(type);
-  if (!kind) {
-    std::vector<std::string_view> names;
-    for (const ClosureTraits& traits : closures::all_closures) names.push_back(traits.name);
-    const std::string mend = did_you_mean(type, names);
-    table.fail(*table.find("type"),
-               fmt::format("unknown closure type {}{}", in_quotes(type),
-                           mend.empty() ? fmt::format("; one of {}", fmt::join(names, ", ")) : mend));
-  }
-  closure.kind = *kind;
-  closure.body_a = body_or_ground(table, "body_a");
-  closure.body_b = body_or_ground(table, "body_b");
-  closure.frame_a = read_placement(table, "_a");
-  closure.frame_b = read_placement(table, "_b");
-  if (table.find("axis")) closure.axis = table.vector("axis");
-  if (table.find("axis2")) closure.axis2 = table.vector("axis2");
-  closure.pitch = table.number("pitch");
-  closure.length = table.number("length");
-  if (table.find("motion")) closure.motion = read_motion(table);
-  return closure;
-}
-
-/// coordinates = ["joint" or "joint.coordinate", ...], factors = [...]: which joints there are is known to the model's
-/// builder, what a joint's coordinates are called to `joints`.
-CouplerSpec read_coupler(const toml::table& source, const std::string& file, const std::vector<JointSpec>& joints) {
-  static constexpr std::string_view keys[] = {"name", "coordinates", "factors", "offset", "motion"};
-  const TomlTable table(source, file, label("coupler", source), keys);
-  CouplerSpec coupler;
-  coupler.place = table.place();
-  coupler.name = table.name("name");
-  const toml::node* node = table.find("coordinates");
-  const toml::array* names = node ? node->as_array() : nullptr;
-  if (!names) table.fail("coordinates is missing; give an array such as [\"crank\", \"wheel.angle\"]");
-  const std::vector<double> factors = table.numbers("factors");
-  if (factors.size() != names->size())
-    table.fail(*node,
-               fmt::format("{} coordinates and {} factors; give one factor each", names->size(), factors.size()));
-  for (std::size_t k = 0; k < factors.size(); ++k) {
-    const auto* text = names->get(k)->as_string();
-    if (!text) table.fail(*names->get(k), "a coordinate is named by a string: a joint, or joint.coordinate");
-    CouplerSpec::Term term{text->get(), 0, factors[k]};
-    const auto called = [&](const std::string& name) {
-      return std::find_if(joints.begin(), joints.end(), [&](const JointSpec& j) { return j.name == name; });
-    };
-    if (const std::size_t dot = term.joint.rfind('.'); called(term.joint) == joints.end() && dot != std::string::npos) {
-      const std::string coordinate = term.joint.substr(dot + 1);
-      term.joint.resize(dot);
-      if (const auto joint = called(term.joint); joint != joints.end()) {
-        const std::vector<std::string> known = position_names(joint->kind);
-        term.coordinate = static_cast<int>(std::find(known.begin(), known.end(), coordinate) - known.begin());
-        if (term.coordinate == static_cast<int>(known.size()))
-          table.fail(*names->get(k), fmt::format("joint '{}' has no coordinate '{}'; it has {}", term.joint, coordinate,
-                                                 fmt::join(known, ", ")));
-      }
-    } else if (const auto joint = called(term.joint); joint != joints.end() && joint->kind.traits().nq > 1) {
-      table.fail(*names->get(k), fmt::format("joint '{}' has several coordinates; write for example '{}.{}'",
-                                             term.joint, term.joint, position_names(joint->kind)[0]));
-    }
-    coupler.terms.push_back(term);
-  }
-  coupler.offset = table.number("offset");
-  if (table.find("motion")) coupler.motion = read_motion(table);
-  return coupler;
 }
 
 PointSpringSpec read_spring(const toml::table& source, const std::string& file) {

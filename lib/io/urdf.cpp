@@ -4,6 +4,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <mutex>
 
 #include "lib/io/mechanism.h"
@@ -109,6 +110,46 @@ JointSpec weld(const UrdfDocument::LinkItem& root) {
   return joint;
 }
 
+/// q = multiplier × q of the joint mimicked + offset, as a coupler. `joints`: all of the robot's.
+CouplerSpec mimic(const UrdfDocument::JointItem& item, const urdf::JointMimic& source,
+                  const std::vector<JointSpec>& joints) {
+  CouplerSpec coupler;
+  coupler.name = item.name + "_mimic";
+  coupler.place = item.mimic_place;
+  coupler.offset = source.offset;
+  coupler.terms.push_back({item.name, 0, 1.0});
+  if (source.joint_name == item.name)
+    throw InputError(item.mimic_place, fmt::format("joint {} mimics itself; name another joint", in_quotes(item.name)));
+  if (source.multiplier != 0) coupler.terms.push_back({source.joint_name, 0, -source.multiplier});
+  for (const std::string& name : {item.name, source.joint_name}) {
+    const auto joint = std::find_if(joints.begin(), joints.end(), [&](const JointSpec& j) { return j.name == name; });
+    if (joint == joints.end())
+      throw InputError(item.mimic_place,
+                       fmt::format("joint {}: it mimics {}, but there is no such joint; mend the name",
+                                   in_quotes(item.name), in_quotes(name)));
+    if (joint->kind.traits().nv != 1)
+      throw InputError(item.mimic_place,
+                       fmt::format("joint {}: mimic couples joints with one freedom, but {} is {}; remove it",
+                                   in_quotes(item.name), in_quotes(name), joint->kind.traits().name));
+  }
+  return coupler;
+}
+
+/// Positions that follow from mimicked ones at zero; joints that mimic one another in a circle are left alone.
+void follow_mimics(const Model& model, State<double>& state) {
+  const auto& couplers = model.closures().couplers;
+  for (std::size_t pass = 0; pass < couplers.size(); ++pass) {
+    bool changed = false;
+    for (const Coupler& c : couplers) {
+      double& q = state.q[c.terms[0].q];
+      const double wanted = c.terms.size() > 1 ? c.offset - c.terms[1].factor * state.q[c.terms[1].q] : c.offset;
+      changed |= q != wanted;
+      q = wanted;
+    }
+    if (!changed) return;
+  }
+}
+
 }  // namespace
 
 Mechanism load_urdf_text(std::string_view text, const std::string& name) {
@@ -133,9 +174,13 @@ Mechanism load_urdf_text(std::string_view text, const std::string& name) {
     spec.joints.push_back(joint(item, *source));
     if (item.parent == root.name && !root.has_inertia) spec.joints.back().parent.clear();
   }
+  for (const UrdfDocument::JointItem& item : document.joints)
+    if (const auto source = robot->getJoint(item.name); source->mimic)
+      spec.couplers.push_back(mimic(item, *source->mimic, spec.joints));
   if (spec.bodies.empty()) throw InputError(spec.place, "the robot has no link with inertia and no joint; add one");
   Model model = Model::build(spec);
   State<double> state = neutral_state(model);
+  follow_mimics(model, state);
   return {std::move(model), std::move(state)};
 }
 

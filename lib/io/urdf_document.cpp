@@ -36,6 +36,7 @@ constexpr AttributeRule axis_attributes[] = {{"xyz", 3}};
 constexpr AttributeRule limit_attributes[] = {{"lower", 1, false}, {"upper", 1, false}, {"effort", 1}, {"velocity", 1}};
 constexpr AttributeRule dynamics_attributes[] = {{"damping", 1, false}, {"friction", 1, false}};
 constexpr AttributeRule inertial_attributes[] = {{"allow_nonphysical_inertia", 0, false}};
+constexpr AttributeRule mimic_attributes[] = {{"joint"}, {"multiplier", 1, false}, {"offset", 1, false}};
 constexpr AttributeRule link_reference[] = {{"link"}};
 constexpr AttributeRule link_attributes[] = {{"name"}};
 constexpr AttributeRule joint_attributes[] = {{"name"}, {"type"}};
@@ -45,7 +46,8 @@ constexpr ElementRule inertial_children[] = {
 constexpr ElementRule link_children[] = {{"inertial", false, inertial_attributes, inertial_children}};
 constexpr ElementRule joint_children[] = {{"origin", false, origin_attributes},     {"parent", true, link_reference},
                                           {"child", true, link_reference},          {"axis", false, axis_attributes},
-                                          {"dynamics", false, dynamics_attributes}, {"limit", false, limit_attributes}};
+                                          {"dynamics", false, dynamics_attributes}, {"limit", false, limit_attributes},
+                                          {"mimic", false, mimic_attributes}};
 constexpr ElementRule link_rule{"link", false, link_attributes, link_children};
 constexpr ElementRule joint_rule{"joint", false, joint_attributes, joint_children};
 
@@ -143,6 +145,7 @@ class Reader {
       copy(e, joint_rule, who);
       out_.joints.push_back({name, e.FirstChildElement("parent")->Attribute("link"),
                              e.FirstChildElement("child")->Attribute("link"), place(e)});
+      if (const XMLElement* mimic = e.FirstChildElement("mimic")) out_.joints.back().mimic_place = place(*mimic);
     }
   }
 
@@ -165,10 +168,6 @@ class Reader {
       fail(e, fmt::format("{}: {}; one of {}{}", who,
                           type ? "unknown joint type " + in_quotes(type) : std::string("the type is missing"),
                           fmt::join(joint_types, ", "), type ? did_you_mean(type, joint_types) : ""));
-    if (const XMLElement* mimic = e.FirstChildElement("mimic"))
-      fail(*mimic, who +
-                       ": mimic is not supported, since it couples two freedoms; remove it and drive the joint "
-                       "itself, or weld it");
     const bool limited = type == std::string_view("revolute") || type == std::string_view("prismatic");
     if (limited && !e.FirstChildElement("limit"))
       fail(e, fmt::format("{}: a {} joint needs <limit lower= upper= effort= velocity=>{}", who, type,

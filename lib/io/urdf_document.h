@@ -23,6 +23,7 @@ struct UrdfDocument {
   struct JointItem {
     std::string name, parent, child;
     Place place;
+    Place mimic_place = {};  // where it has a <mimic>
   };
   std::string name;
   std::vector<LinkItem> links;  // in the order of the file

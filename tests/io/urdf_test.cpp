@@ -183,16 +183,13 @@ INSTANTIATE_TEST_SUITE_P(Urdf, PublishedRobot,
                            return std::string(info.param.file).substr(0, std::string(info.param.file).find('.'));
                          });
 
-TEST(Urdf, the_published_panda_hand_is_refused_for_its_mimic_finger) {
+TEST(Urdf, the_published_panda_hand_has_a_finger_that_mimics) {
   const std::string path = published("panda.urdf");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; set LANC_ROBOTS to a folder that has it";
-  try {
-    load_mechanism(path);
-    FAIL() << "accepted";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("panda_finger_joint2': mimic is not supported"), std::string::npos)
-        << error.what();
-  }
+  const Mechanism m = load_mechanism(path);
+  ASSERT_EQ(m.model.spec().couplers.size(), 1u);
+  EXPECT_EQ(m.model.spec().couplers[0].name, "panda_finger_joint2_mimic");
+  EXPECT_EQ(m.model.spec().couplers[0].terms.at(1).joint, "panda_finger_joint1");
 }
 
 }  // namespace
