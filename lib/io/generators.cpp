@@ -6,13 +6,16 @@
 #include <charconv>
 #include <map>
 
+#include "lib/io/draw_space.h"
 #include "lib/io/four_bars.h"
+#include "lib/io/random_loops.h"
 #include "lib/io/random_tree.h"
 
 namespace lanc {
 namespace {
 
-constexpr int most_bodies = 2'000'000;  // about 3 GB with the specification
+constexpr int most_random_loops = 1000;  // every row is compared with every other
+constexpr int most_bodies = 2'000'000;   // about 3 GB with the specification
 
 constexpr GeneratorInfo table[] = {
     {"chain", "chain:N[:joint=KIND][:seed=S][:gravity=G]",
@@ -23,6 +26,11 @@ constexpr GeneratorInfo table[] = {
      "N bodies of the chain, the first on the ground, all others on the first"},
     {"random", "random:N[:seed=S][:kinds=A,B,...][:massless=no][:driven=no][:forces=no][:gravity=G]",
      "N bodies hung together at random: all joint kinds, massless bodies, prescribed motions, springs"},
+    {"random-loops",
+     "random-loops:N[:seed=S][:redundant=any|none|parallel|bennett|duplicate][:kinds=A,B,...][:massless=no][:driven=no]"
+     "[:forces=no][:gravity=G]",
+     "a random tree with N loops closed at random, all closure kinds; loops that are redundant because hinges are "
+     "parallel, as Bennett linkages, or because a closure is there twice"},
     {"four-bar-ladder", "four-bar-ladder:N[:angle=A][:rate=R][:cut=point|hinge|weld][:gravity=G]",
      "N four-bars side by side on the ground: 2N + 1 rods of 1 m and 1 kg in the x-z plane, uprights A from the "
      "vertical "
@@ -195,28 +203,32 @@ ModelSpec regular(int n, const std::vector<JointKind>& kinds, Parent parent) {
   return spec;
 }
 
-/// q and v uniform in [−1, 1], Euler parameters uniform on the sphere, t = 0.
-State<double> draw_state(const Model& model, Draw& draw) {
-  State<double> state = neutral_state(model);
-  for (const Link& link : model.links()) {
-    const int w = link.kind.traits().quaternion;
-    for (int k = 0; k < link.nq; ++k)
-      if (w < 0 || k < w || k >= w + 4) state.q[link.q + k] = draw.between(-1, 1);
-    if (w >= 0) draw.direction(&state.q[link.q + w], 4);
-    for (int k = 0; k < link.nv; ++k) state.v[link.v + k] = draw.between(-1, 1);
-  }
-  return state;
-}
-
-ModelSpec random(Arguments& arguments, Draw& draw) {
+/// Everything but their number.
+RandomTreeOptions random_options(Arguments& arguments) {
   RandomTreeOptions options;
-  options.bodies = arguments.bodies;
   options.kinds = arguments.kinds();
   options.massless = arguments.yes("massless");
   options.driven = arguments.yes("driven");
   options.forces = arguments.yes("forces");
+  return options;
+}
+
+ModelSpec random(Arguments& arguments, Draw& draw) {
+  RandomTreeOptions options = random_options(arguments);
+  options.bodies = arguments.bodies;
   arguments.require_all_used();
   return random_tree(options, draw);
+}
+
+Mechanism random_loops(Arguments& arguments, const ModelSpec& frame, Draw& draw) {
+  RandomLoopsOptions options;
+  options.loops = arguments.bodies;
+  if (options.loops > most_random_loops)
+    fail(frame.name, fmt::format("{} loops; give a number from 1 to {}", options.loops, most_random_loops));
+  options.tree = random_options(arguments);
+  options.cause = RedundancyCause(arguments.word("redundant", {"any", "none", "parallel", "bennett", "duplicate"}));
+  arguments.require_all_used();
+  return random_loops(options, frame, draw);
 }
 
 ModelSpec regular(std::string_view name, Arguments& arguments) {
@@ -247,6 +259,12 @@ std::optional<Mechanism> generate(std::string_view argument) {
                                      : four_bar_chain(options, std::string(argument));
   }
   Draw draw(arguments.seed());
+  if (name == "random-loops") {
+    ModelSpec frame;
+    frame.name = argument;
+    frame.gravity = {0, 0, -gravity};
+    return random_loops(arguments, frame, draw);
+  }
   ModelSpec spec = name == "random" ? random(arguments, draw) : regular(name, arguments);
   spec.name = argument;
   spec.gravity = {0, 0, -gravity};
