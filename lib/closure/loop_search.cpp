@@ -17,7 +17,7 @@ constexpr double longest_newton_step = 0.1;  // beyond it a Newton step may reac
 constexpr double newton_from = 1e-6;         // largest scaled |g| from which Newton takes over
 constexpr double first_damping = 1e-2;       // of |g|
 constexpr double smallest_damping = 1e-10, largest_damping = 1e10;
-constexpr double stationary_gradient = 1e-5;  // |Gᵀg| / (σ_1 |g|)
+constexpr double stationary_gradient = 1e-5;  // |Gᵀg| / (max(σ_1, 1) |g|)
 constexpr double flat_gradient = 1e-3;        // the same, for a search that has stalled
 
 /// Positions that velocity k of the model changes, appended.
@@ -30,8 +30,9 @@ void add_positions(const Model& model, int k, std::vector<int>& positions) {
 }
 
 double relative_gradient(const Loop& loop) {
-  const double size = loop.g.norm() * (loop.sigma.size() > 0 ? std::max(loop.sigma[0], 1e-300) : 1);
-  return (loop.G.transpose() * loop.g).norm() / size;
+  // like a rank decision: where all of G vanishes, σ_1 is no unit to measure with
+  const double unit = std::max(1.0, loop.sigma.size() > 0 ? loop.sigma[0] : 0.0);
+  return (loop.G.transpose() * loop.g).norm() / (loop.g.norm() * unit);
 }
 
 /// −V diag(f(σ)) Uᵀ g.

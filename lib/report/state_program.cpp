@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "lib/closure/assembly.h"
 #include "lib/formulation/formulation.h"
 #include "lib/io/generators.h"
 #include "lib/model/error.h"
@@ -140,6 +141,7 @@ struct StateProgram::State {
   CLI::App app;
   std::string model, state_file, format = "text", out;
   Words time, q, v, tau, wrenches;
+  bool assembles = false;
   struct Numbers {
     std::string name;
     Words words;
@@ -163,6 +165,8 @@ struct StateProgram::State {
     app.add_option("--state", state_file,
                    std::string("JSON file with t, q, v") + (loads ? ", tau, wrenches" : "") + ", all optional")
         ->check(given());
+    app.add_flag("--assemble", assembles,
+                 "move the state to the nearest one in which all loops are closed, and make velocities consistent");
     app.add_option("--format", format, "text or json")->check(CLI::IsMember({"text", "json"}))->capture_default_str();
     app.add_option("--out", out, "file to write to (default: standard output)")->check(given());
     app.add_flag_callback(
@@ -184,6 +188,7 @@ struct StateProgram::State {
     if (app.count("--q") > 0) result.state.q = joined_numbers("--q", q);
     if (app.count("--v") > 0) result.state.v = joined_numbers("--v", v);
     result.state = checked_state(result.model, std::move(result.state));
+    if (assembles) result.state = assembled(result.model, std::move(result.state));
     if (!tau.empty()) result.loads.tau = joined_numbers("--tau", tau);
     if (!tau.empty() || !result.loads.tau.empty())
       result.loads.tau = checked_tau(result.model, std::move(result.loads.tau));
@@ -197,6 +202,21 @@ struct StateProgram::State {
     for (const auto& numbers : own)
       if (!numbers->words.empty()) *numbers->value = joined_numbers(numbers->name, numbers->words);
     return result;
+  }
+
+  /// Tells on stderr how far it moved, so that stdout stays what --format says.
+  lanc::State<double> assembled(const Model& mechanism, lanc::State<double> state) const {
+    const AssemblyResult positions = assemble(mechanism, std::move(state));
+    if (!positions.assembled()) throw InputError("--assemble: " + positions.message);
+    const VelocityResult velocities = consistent_velocities(mechanism, positions.state);
+    if (!velocities.consistent) throw InputError("--assemble: " + velocities.message);
+    fmt::print(
+        stderr,
+        "{}: assembled, {}largest change of a position {:.3g} rad, {:.3g} m; of a velocity, in model lengths and "
+        "radians, {:.3g}/s\n",
+        name, positions.starts > 1 ? fmt::format("at start {}, ", positions.starts) : "", positions.moved_angle,
+        positions.moved_length, velocities.changed);
+    return velocities.state;
   }
 
   void write(const std::string& text) const {

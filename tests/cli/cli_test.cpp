@@ -235,6 +235,24 @@ TEST(Solve, ExportedMatricesGiveTheSameAnswer) {
   EXPECT_NE(text_of(target / "README.md").find("mass_matrix.mtx"), std::string::npos);
 }
 
+TEST(Solve, AssemblesTheStateWhenItIsAskedTo) {
+  const std::string model = LANC_SOURCE_DIR "/data/models/closure-distance.toml";
+  const Words later = {model, "--time", "1", "--format", "json"};
+  EXPECT_EQ(run("solve", later).exit_code, 1);  // the boom is not where its cylinder wants it
+  Words assembled = later;
+  assembled.push_back("--assemble");
+  const Finished r = run("solve", assembled);
+  ASSERT_EQ(r.exit_code, 0) << r.error;
+  EXPECT_NE(r.error.find("largest change of a position 0.488 rad"), std::string::npos) << r.error;
+  const double s = std::sqrt(2.0) + 0.3, sine = s * s / 2 - 1, cosine = std::sqrt(1 - sine * sine);
+  const double rate = 0.3 * s / cosine;  // derivatives of s² = 2 + 2 sin q
+  EXPECT_NEAR(r.json()["vdot"][0].get<double>(), (0.09 + sine * rate * rate) / cosine, 1e-12);
+  const Finished never = run("solve", {model, "--time", "20", "--assemble"});
+  EXPECT_EQ(never.exit_code, 2);
+  EXPECT_NE(never.error.find("'cylinder.length' open by 5.41 m"), std::string::npos) << never.error;
+  EXPECT_NE(never.error.find("cannot be assembled"), std::string::npos) << never.error;
+}
+
 TEST(Solve, OutWritesToAFile) {
   const std::string file = (folder() / "answer.json").string();
   const Finished r = run("solve", {"chain:2", "--format", "json", "--out", file});

@@ -115,6 +115,15 @@ TEST(Assembly, tells_a_loop_that_cannot_close_and_by_how_much) {
   EXPECT_NE(result.message.find("cannot be assembled"), std::string::npos) << result.message;
 }
 
+TEST(Assembly, tells_a_cylinder_that_is_longer_than_its_boom_can_follow) {
+  const Mechanism m = load_mechanism(LANC_SOURCE_DIR "/data/models/closure-distance.toml");
+  State<double> state = m.state;
+  state.t = 20;
+  const AssemblyResult result = assemble(m.model, state);  // at its longest G vanishes
+  EXPECT_EQ(result.status, AssemblyStatus::infeasible) << result.message;
+  EXPECT_NEAR(result.gaps[0].length, std::sqrt(2.0) + 6 - 2, 1e-9);
+}
+
 TEST(Assembly, closes_a_loop_that_is_just_long_enough) {
   const Model model = four_bar(1, 1, 2, 4);  // stretched: the only configuration there is, and a singular one
   State<double> guess = neutral_state(model);
