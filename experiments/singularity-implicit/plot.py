@@ -84,8 +84,9 @@ def draw_positions(axes, cells):
     for number, values in crossings(cells):
         x, y = place(values)
         axes.plot([x], [y], marker=MARKERS[number - 1], color="white", markeredgecolor="black", markersize=7, zorder=5)
-        axes.annotate(f"{round(x)}°, {round(y)}°".replace("-", "−"), (x, y), (16, 3), textcoords="offset points",
-                      ha="left", va="bottom", fontsize=8)
+        above = x < 0  # where there is room between the branches
+        axes.annotate(f"{round(x)}°, {round(y)}°".replace("-", "−"), (x, y), (16, 3) if above else (9, -9),
+                      textcoords="offset points", ha="left", va="bottom" if above else "top", fontsize=8)
     handles.append(matplotlib.lines.Line2D([], [], linestyle="none", marker="o", color="white", markeredgecolor="black",
                                            markersize=7, label="crossing, rank 1"))
     axes.set_xlim(-180, 180)
