@@ -136,6 +136,34 @@ TEST(Constrained, all_formulations_agree_on_random_closures_that_are_redundant_b
   EXPECT_GE(expect_agreement_on_random_loops(true), 30);
 }
 
+TEST(Constrained, iterations_on_contradictory_conditions_end_at_the_least_squares_answer_of_the_scaled_rows) {
+  int compared = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Case c = random_loops(seed, true);
+    Evaluator<double> evaluator(c.model);
+    System<double> system = evaluator.system(c.state, c.loads);
+    system.rhs.closure.back() += 1;
+    const RankPolicy policy{c.model.closures().rows() - 3};
+    Solution<double> reference(c.model), solution(c.model);
+    const Outcome expected = find_formulation("dense")->create_double(c.model)->solve(system, reference, policy);
+    EXPECT_EQ(expected.status, Status::inconsistent) << expected.message;
+    if (expected.rank != policy.rank || expected.sigma < 1e-3) continue;
+    ++compared;
+    for (const char* name : {"augmented", "proximal"}) {
+      const auto formulation = find_formulation(name)->create_double(c.model);
+      formulation->decide(system, policy);
+      formulation->assemble(system);
+      ASSERT_TRUE(formulation->factorise(system).usable()) << name;
+      formulation->substitute(system, system.rhs, solution);  // γ̿ as it is
+      EXPECT_LT(difference(c.model, solution, reference), 1e-8) << name << " on seed " << seed;
+      const auto* iterated = dynamic_cast<const RegularisedFormulation<double>*>(formulation.get());
+      ASSERT_TRUE(iterated) << name;
+      EXPECT_LE(iterated->steps(), 6) << name << " on seed " << seed;
+    }
+  }
+  EXPECT_GE(compared, 10);
+}
+
 TEST(Constrained, in_long_double_and_on_count_the_answer_is_that_of_double) {
   const Mechanism m = load_mechanism("four-bar-ladder:3");
   Evaluator<double> evaluator(m.model);
