@@ -100,33 +100,45 @@ Solution<Real> solve_eq14_naively(const System<Real>& system) {
   return solution;
 }
 
-Solution<Real> solve_reduced_naively(const System<Real>& system) {
+ReducedSystem reduce_naively(const System<Real>& system) {
   const Model& model = system.model;
   const int n = model.bodies(), nv = model.nv();
-  Matrix J = Matrix::Zero(6 * n, nv), MJ(6 * n, nv);
-  Vector bias(6 * n), force(6 * n);
+  ReducedSystem r{Matrix::Zero(6 * n, nv), {}, Vector(6 * n), {}};
+  Matrix MJ(6 * n, nv);
+  Vector force(6 * n);
   for (int i = 0; i < n; ++i) {
     const Link& link = model.link(i);
-    bias.segment<6>(6 * i) = six(system.rhs.bias[i]);
+    r.bias.segment<6>(6 * i) = six(system.rhs.bias[i]);
     if (link.parent != ground) {
       const Matrix6 B = transport(system.bodies[i].r);
-      J.middleRows<6>(6 * i) = B * J.middleRows<6>(6 * link.parent);
-      bias.segment<6>(6 * i) += B * bias.segment<6>(6 * link.parent);
+      r.J.middleRows<6>(6 * i) = B * r.J.middleRows<6>(6 * link.parent);
+      r.bias.segment<6>(6 * i) += B * r.bias.segment<6>(6 * link.parent);
     }
-    for (int k = link.v; k < link.v + link.nv; ++k) J.block<6, 1>(6 * i, k) = six(system.columns[k]);
+    for (int k = link.v; k < link.v + link.nv; ++k) r.J.block<6, 1>(6 * i, k) = six(system.columns[k]);
     const Matrix6 M = inertia(system.bodies[i].inertia);
-    MJ.middleRows<6>(6 * i) = M * J.middleRows<6>(6 * i);
-    force.segment<6>(6 * i) = six(system.rhs.force[i]) - M * bias.segment<6>(6 * i);
+    MJ.middleRows<6>(6 * i) = M * r.J.middleRows<6>(6 * i);
+    force.segment<6>(6 * i) = six(system.rhs.force[i]) - M * r.bias.segment<6>(6 * i);
   }
-  Vector rhs = J.transpose() * force;
-  Matrix H = J.transpose() * MJ;
-  for (int k = 0; k < nv; ++k) rhs[k] += system.rhs.tau[k], H(k, k) += model.armature()[k];
-  Vector vdot(nv);
-  if (nv > 0) vdot = Eigen::LDLT<Matrix>(H).solve(rhs);
-  const Vector a = J * vdot + bias;
+  r.b = r.J.transpose() * force;
+  r.H = r.J.transpose() * MJ;
+  for (int k = 0; k < nv; ++k) r.b[k] += system.rhs.tau[k], r.H(k, k) += model.armature()[k];
+  return r;
+}
+
+Solution<Real> complete_naively(const System<Real>& system, const ReducedSystem& reduced, const Vector& vdot,
+                                const Vector& lambda) {
+  const Model& model = system.model;
+  const int n = model.bodies();
+  const Vector a = reduced.J * vdot + reduced.bias;
   Solution<Real> solution(model);
-  for (int k = 0; k < nv; ++k) solution.vdot[k] = vdot[k];
+  for (int k = 0; k < model.nv(); ++k) solution.vdot[k] = vdot[k];
+  for (int k = 0; k < lambda.size(); ++k) solution.lambda[k] = lambda[k];
   Matrix wrench = Matrix::Zero(6, n);
+  for (const Closure& c : model.closures().closures)
+    for (int k = c.row; k < c.row + c.conditions().count; ++k) {
+      if (c.body_a != ground) wrench.col(c.body_a) -= six(system.closure_rows[k].a) * lambda[k];
+      if (c.body_b != ground) wrench.col(c.body_b) -= six(system.closure_rows[k].b) * lambda[k];
+    }
   for (int i = n - 1; i >= 0; --i) {
     wrench.col(i) += inertia(system.bodies[i].inertia) * a.segment<6>(6 * i) - six(system.rhs.force[i]);
     const Vector f = wrench.col(i);
@@ -136,6 +148,13 @@ Solution<Real> solve_reduced_naively(const System<Real>& system) {
   }
   add_drive_forces(system, solution);
   return solution;
+}
+
+Solution<Real> solve_reduced_naively(const System<Real>& system) {
+  const ReducedSystem reduced = reduce_naively(system);
+  Vector vdot(system.model.nv());
+  if (vdot.size() > 0) vdot = Eigen::LDLT<Matrix>(reduced.H).solve(reduced.b);
+  return complete_naively(system, reduced, vdot, Vector::Zero(system.model.closures().rows()));
 }
 
 System<Real> system_in_long_double(const Case& c) {

@@ -1,6 +1,7 @@
 // Oracles of eq. 14 in long double: slow, short, and written without lib/system's ways of using its rows.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "lib/system/system.h"
@@ -15,6 +16,18 @@ Solution<long double> solve_eq14_naively(const System<long double>& system);
 /// The non-recursive way of the lecture, with J = B⁻¹ C formed column by column: JᵀMJ η̇ = Jᵀ(f̂^tc − M ā) + τ. Cubic in
 /// n_η: up to a few hundred velocities.
 Solution<long double> solve_reduced_naively(const System<long double>& system);
+
+/// The reduced system H η̇ = b of a tree, J and the accelerations at η̇ = 0 it was made from.
+struct ReducedSystem {
+  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+  Matrix J, H;
+  Vector bias, b;
+};
+ReducedSystem reduce_naively(const System<long double>& system);
+/// â and f̂ of η̇ and λ, body by body.
+Solution<long double> complete_naively(const System<long double>& system, const ReducedSystem& reduced,
+                                       const ReducedSystem::Vector& vdot, const ReducedSystem::Vector& lambda);
 
 /// What answers are compared with: eq. 14 for small mechanisms, the reduced system for middle ones, and for large ones
 /// a long double formulation from the register, refined until its backward error is at rounding (checked by a test).

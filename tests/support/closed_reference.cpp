@@ -1,0 +1,120 @@
+#include "tests/support/closed_reference.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace lanc::test {
+namespace {
+
+using Real = long double;
+using Matrix = ReducedSystem::Matrix;
+using Vector = ReducedSystem::Vector;
+
+Vector six(const Wrench<Real>& f) {
+  Vector x(6);
+  x << f.moment.x, f.moment.y, f.moment.z, f.force.x, f.force.y, f.force.z;
+  return x;
+}
+
+/// G and γ̿ in joint coordinates, straight from their definition.
+void closure_rows(const System<Real>& system, const ReducedSystem& reduced, Matrix& G, Vector& gamma) {
+  const Model& model = system.model;
+  const int rows = model.closures().rows();
+  G = Matrix::Zero(rows, model.nv());
+  gamma.resize(rows);
+  for (int k = 0; k < rows; ++k) gamma[k] = system.rhs.closure[k];
+  for (const Closure& c : model.closures().closures)
+    for (int k = c.row; k < c.row + c.conditions().count; ++k) {
+      const auto side = [&](int body, const Wrench<Real>& row) {
+        if (body == ground) return;
+        G.row(k) += six(row).transpose() * reduced.J.middleRows(6 * body, 6);
+        gamma[k] += six(row).dot(reduced.bias.segment(6 * body, 6));
+      };
+      side(c.body_a, system.closure_rows[k].a), side(c.body_b, system.closure_rows[k].b);
+    }
+  for (const Coupler& c : model.closures().couplers)
+    for (const Coupler::Term& term : c.terms) G(c.row, term.v) += term.factor;
+}
+
+/// Condition of a symmetric positive definite matrix scaled to unit diagonal.
+double equilibrated_condition(const Matrix& A) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  if (A.rows() == 0) return 1;
+  if (!(A.diagonal().minCoeff() > 0)) return infinite;
+  const Vector d = A.diagonal().cwiseSqrt().cwiseInverse();
+  const Vector e =
+      Eigen::SelfAdjointEigenSolver<Matrix>(d.asDiagonal() * A * d.asDiagonal(), Eigen::EigenvaluesOnly).eigenvalues();
+  return e[0] > 0 ? static_cast<double>(e[e.size() - 1] / e[0]) : infinite;
+}
+
+}  // namespace
+
+ClosedReference solve_closed_naively(const System<Real>& system) {
+  const Model& model = system.model;
+  const int nv = model.nv(), rows = model.closures().rows();
+  const ReducedSystem reduced = reduce_naively(system);
+  Matrix G;
+  Vector gamma;
+  closure_rows(system, reduced, G, gamma);
+  // Rows that are lengths and velocities that are lengths in units of the model's (design: README, Decisions)
+  Vector R(rows), C(nv);
+  for (int k = 0; k < nv; ++k) C[k] = model.column_kind(k) == ColumnKind::translation ? model.length() : 1;
+  for (int k = 0; k < rows; ++k) R[k] = model.closures().row_is_length[k] ? 1 / model.length() : 1;
+  for (const Coupler& c : model.closures().couplers)
+    R[c.row] = 1 / (G.row(c.row) * C.asDiagonal()).cwiseAbs().maxCoeff();
+  const Matrix Gs = R.asDiagonal() * G * C.asDiagonal();
+  const Eigen::JacobiSVD<Matrix> svd(Gs, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Vector sigma = svd.singularValues();
+
+  ClosedReference result;
+  for (int k = 0; k < sigma.size(); ++k) result.rank += sigma[k] > 1e-10L * std::max<Real>(1, sigma[0]);
+  const int r = result.rank;
+  result.sigma = r > 0 ? static_cast<double>(sigma[r - 1]) : 0;
+  result.next_sigma = r < sigma.size() ? static_cast<double>(sigma[r]) : 0;
+  const Matrix U = svd.matrixU().leftCols(r), V = svd.matrixV().leftCols(r), U0 = svd.matrixU().rightCols(rows - r),
+               Z = C.asDiagonal() * svd.matrixV().rightCols(nv - r);
+  const Vector inverse = sigma.head(r).cwiseInverse(), scaled_gamma = R.asDiagonal() * gamma;
+  if (const Real size = scaled_gamma.cwiseAbs().maxCoeff(); U0.cols() > 0 && size > 0)
+    result.contradiction = static_cast<double>((U0.transpose() * scaled_gamma).cwiseAbs().maxCoeff() / size);
+
+  Vector vdot = -(C.asDiagonal() * (V * (inverse.asDiagonal() * (U.transpose() * scaled_gamma))));
+  const Matrix ZHZ = Z.transpose() * reduced.H * Z;
+  result.kernel_condition = equilibrated_condition(ZHZ);
+  if (Z.cols() > 0) vdot += Z * Eigen::LDLT<Matrix>(ZHZ).solve(Z.transpose() * (reduced.b - reduced.H * vdot));
+  const Vector excess = C.asDiagonal() * (reduced.H * vdot - reduced.b);  // G_sᵀ λ_s
+  const Vector lambda = R.asDiagonal() * (U * (inverse.asDiagonal() * (V.transpose() * excess)));
+  result.solution = complete_naively(system, reduced, vdot, lambda);
+
+  const Eigen::LLT<Matrix> cholesky(reduced.H);
+  const Matrix counting = U.transpose() * Gs;
+  result.schur_condition =
+      cholesky.info() == Eigen::Success
+          ? equilibrated_condition(counting * C.cwiseInverse().asDiagonal() *
+                                   cholesky.solve(C.cwiseInverse().asDiagonal() * counting.transpose()))
+          : std::numeric_limits<double>::infinity();
+
+  result.unique.assign(model.bodies(), {true, true, true, true, true, true});
+  result.unique_row.assign(rows, true);
+  System<Real> unloaded = system;
+  unloaded.rhs.set_zero();
+  ReducedSystem still = reduced;
+  still.bias.setZero();
+  for (int mode = 0; mode < U0.cols(); ++mode) {
+    const Vector stress = R.asDiagonal() * U0.col(mode);
+    const Solution<Real> s = complete_naively(unloaded, still, Vector::Zero(nv), stress);
+    for (int k = 0; k < rows; ++k)
+      if (std::abs(U0(k, mode)) > 1e-9L) result.unique_row[k] = false;
+    for (int i = 0; i < model.bodies(); ++i) {
+      const Vector f = six(s.wrench[i]);
+      for (int c = 0; c < 6; ++c)
+        if (std::abs(f[c]) * (c < 3 ? 1 : model.length()) > 1e-9L) result.unique[i][c] = false;
+    }
+  }
+  return result;
+}
+
+}  // namespace lanc::test
