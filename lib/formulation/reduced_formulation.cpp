@@ -183,8 +183,10 @@ typename RegularisedFormulation<S>::Vector RegularisedFormulation<S>::delassus_d
       if (to_double(G(i, k)) != 0) diagonal[i] += G(i, k) * G(i, k) * inverse;
   }
   const double largest = to_double(diagonal.maxCoeff());
+  // a row of rounding errors alone (the plane of a planar loop) would get a penalty of 1e32
+  const double smallest = zero_singular_value * zero_singular_value * largest;
   for (int i = 0; i < G.rows(); ++i)
-    if (!(to_double(diagonal[i]) > 0)) diagonal[i] = S(largest > 0 ? largest : 1.0);
+    if (!(to_double(diagonal[i]) > smallest)) diagonal[i] = S(largest > 0 ? largest : 1.0);
   return diagonal;
 }
 
