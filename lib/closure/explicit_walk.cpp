@@ -91,7 +91,7 @@ bool ExplicitWalk::step(double h) {
 }
 
 bool ExplicitWalk::advance(double h) {
-  constexpr int most_halvings = 12;
+  constexpr int most_halvings = 30;  // towards a limit point the way left is what counts, not h
   for (int k = 0; k <= most_halvings; ++k, h /= 2)
     if (step(h)) return true;
   return false;

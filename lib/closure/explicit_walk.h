@@ -36,7 +36,8 @@ class ExplicitWalk {
   const std::vector<WalkChange>& changes() const { return changes_; }
 
   /// A step of about arc length h > 0: the independent coordinate changes by h times its part of the tangent. Halves
-  /// h until β^d is found, near where the tangent leads. False when it is not: no other choice carries on.
+  /// h until β^d is found, near where the tangent leads. False when it is not: at a limit point that the candidates or
+  /// a large ExplicitOptions::leave do not let it pass, or where the rank drops.
   bool advance(double h);
 
  private:

@@ -131,10 +131,26 @@ TEST(Explicit, the_user_s_choice_is_kept_while_it_is_good_and_its_change_is_logg
 
 TEST(Explicit, a_choice_is_not_left_for_one_that_is_hardly_better) {
   const Model model = planar_four_bar(5, 3, 5, 5);
-  ExplicitClosures closures(model, {.candidates = {0, 2}, .leave = 1, .gain = 1e9});
-  closures.choose({2});
-  const State<double> stretched = at({pi / 2 - 2 * std::asin(0.8), pi - std::asin(0.6), std::asin(0.6)});
-  EXPECT_EQ(conditions_of(closures, model, stretched).independent, std::vector<int>{2});
+  State<double> state = crank_and_coupler_in_line();
+  state.q[2] -= 0.02;  // β3 is near its limit, β1 is better
+  ExplicitConditions by_rocker;
+  by_rocker.independent = {2}, by_rocker.dependent = {0, 1};
+  state.q[0] -= 0.2, state.q[1] += 0.3;
+  const auto near = solve_dependent(model, state, by_rocker);
+  ASSERT_TRUE(near);
+  double condition[2];
+  for (const int k : {0, 2}) {
+    ExplicitClosures closures(model, {.candidates = {}, .leave = 1e9});
+    closures.choose({k});
+    condition[k / 2] = conditions_of(closures, model, *near).condition;
+  }
+  const double better = condition[1] / condition[0];
+  ASSERT_GT(better, 1.5);
+  for (const double gain : {better * 0.99, better * 1.01}) {
+    ExplicitClosures closures(model, {.candidates = {0, 2}, .leave = 1, .gain = gain});
+    closures.choose({2});
+    EXPECT_EQ(conditions_of(closures, model, *near).independent[0], gain < better ? 0 : 2);
+  }
 }
 
 TEST(Explicit, too_few_candidates_are_told) {
@@ -201,6 +217,24 @@ TEST(Explicit, candidates_beta1_and_beta3_take_turns_all_round_the_double_rocker
         EXPECT_EQ(change.change.after, std::vector<int>{k % 2 == 0 ? 2 : 0});
         EXPECT_GT(change.change.condition_before, leave);
         EXPECT_LT(change.change.condition_after * 4, change.change.condition_before);
+      }
+    }
+}
+
+TEST(Explicit, a_walk_in_large_steps_neither_jumps_nor_turns_back) {
+  const Model model = planar_four_bar(5, 3, 5, 5);
+  for (const double leave : {20.0, 1e4})
+    for (const double h : {0.1, 0.3, 0.6, 1.0}) {
+      ExplicitWalk walk(model, crank_and_coupler_in_line(), {.candidates = {0, 2}, .leave = leave});
+      for (int step = 0; step < 150; ++step) {
+        const std::vector<double> before = walk.here().q;
+        const Eigen::VectorXd along = walk.tangent();
+        ASSERT_TRUE(walk.advance(h)) << h;
+        Eigen::Vector3d way;
+        for (int k = 0; k < 3; ++k) way[k] = walk.here().q[k] - before[k];
+        EXPECT_LT(way.norm(), 1.4 * h) << h << " step " << step;
+        EXPECT_GT(way.dot(along), 0.8 * way.norm()) << h << " step " << step;
+        EXPECT_GT(walk.tangent().dot(along), 0.7) << h << " step " << step;
       }
     }
 }
