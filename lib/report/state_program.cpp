@@ -255,7 +255,8 @@ int StateProgram::run(int argc, const char* const* argv, const std::function<Sta
   constexpr int bad_input = 2;
   const Words words = with_numbers_protected(argc, argv);
   try {
-    state_->app.parse(Words(words.rbegin(), words.rend() - 1));  // CLI11 takes a vector from its end, without the program
+    state_->app.parse(
+        Words(words.rbegin(), words.rend() - 1));  // CLI11 takes a vector from its end, without the program
   } catch (const CLI::ParseError& error) {
     return state_->app.exit(error) == 0 ? 0 : bad_input;
   }

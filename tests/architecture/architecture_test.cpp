@@ -2,9 +2,10 @@
 //
 //   scalar → spatial → model → system → closure → formulation → {formulations/*, integrate} → {experiments, tests}
 //
-// An arrow means "may be included by everything to its right". io, solve and report are leaves: io knows model and, since
-// its generators close loops, system and closure; solve knows nothing of ours but scalars; report knows io, system,
-// closure and formulation, and no part of the chain knows io or report. formulation and formulations/* may use solve.
+// An arrow means "may be included by everything to its right". io, solve and report are leaves: io knows model and,
+// since its generators close loops, system and closure; solve knows nothing of ours but scalars; report knows io,
+// system, closure and formulation, and no part of the chain knows io or report. formulation and formulations/* may use
+// solve.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -27,7 +27,7 @@ TEST(Experiments, RefuseValuesThatMeanNothing) {
                          {{"--seed", "99999999999999999999"}, "--seed: '99999999999999999999' is no seed"},
                          {{"--seed", "1.5"}, "--seed: '1.5' is no seed"},
                          {{"--repetitions", "0"}, "--repetitions: '0' is not a number from 1 to 1000000"},
-           {{"--time-limit", "nan"}, "--time-limit: 'nan' is not a number from 0 to inf"},
+                         {{"--time-limit", "nan"}, "--time-limit: 'nan' is not a number from 0 to inf"},
                          {{"--time-limit", "-1"}, "--time-limit: '-1' is not a number from 0"},
                          {{"--memory-share", "7"}, "--memory-share: '7' is not a number from 0 to 1"},
                          {{"--memory-share", "a"}, "--memory-share: 'a' is not a number from 0 to 1"},
