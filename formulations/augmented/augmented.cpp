@@ -1,4 +1,5 @@
 #include "lib/formulation/reduced_formulation.h"
+#include "lib/solve/dense.h"
 
 namespace lanc {
 namespace {

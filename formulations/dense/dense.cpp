@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-
 #include "lib/formulation/formulation.h"
 #include "lib/model/paths.h"
 #include "lib/scalar/count_eigen.h"
+#include "lib/solve/dense.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/equations.h"
 

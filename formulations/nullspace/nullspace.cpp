@@ -1,6 +1,6 @@
-#include <Eigen/QR>
 
 #include "lib/formulation/reduced_formulation.h"
+#include "lib/solve/dense.h"
 
 namespace lanc {
 namespace {

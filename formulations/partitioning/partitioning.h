@@ -1,9 +1,8 @@
 #pragma once
 
-#include <Eigen/LU>
-
 #include "lib/closure/explicit.h"
 #include "lib/formulation/reduced_formulation.h"
+#include "lib/solve/dense.h"
 
 namespace lanc {
 

@@ -1,6 +1,6 @@
-#include <Eigen/LU>
 
 #include "lib/formulation/reduced_formulation.h"
+#include "lib/solve/dense.h"
 
 namespace lanc {
 namespace {

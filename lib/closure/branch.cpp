@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <cmath>
 
 #include "lib/closure/curvature.h"
 #include "lib/closure/rank.h"
 #include "lib/closure/retraction.h"
 #include "lib/closure/scaling.h"
+#include "lib/solve/dense.h"
 #include "lib/system/evaluator.h"
 
 namespace lanc {

@@ -1,14 +1,12 @@
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
 
 #include "lib/closure/assembly.h"
 #include "lib/closure/components.h"
 #include "lib/closure/rank.h"
 #include "lib/closure/scaling.h"
+#include "lib/solve/dense.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/evaluator.h"
 #include "lib/system/mass_matrix.h"

@@ -2,14 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <limits>
 
 #include "lib/closure/retraction.h"
 #include "lib/closure/scaling.h"
+#include "lib/solve/dense.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/equations.h"
 #include "lib/system/evaluator.h"

@@ -1,6 +1,5 @@
 #include "lib/closure/loop_search.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 #include "lib/closure/alignment.h"
 #include "lib/closure/rank.h"
 #include "lib/closure/retraction.h"
+#include "lib/solve/dense.h"
 
 namespace lanc {
 namespace {

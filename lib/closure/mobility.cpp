@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +10,7 @@
 #include "lib/closure/retraction.h"
 #include "lib/closure/scaling.h"
 #include "lib/closure/second_order.h"
+#include "lib/solve/dense.h"
 #include "lib/system/equations.h"
 #include "lib/system/evaluator.h"
 

@@ -1,12 +1,11 @@
 #include "lib/closure/rank.h"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <limits>
 
 #include "lib/closure/components.h"
 #include "lib/closure/curvature.h"
 #include "lib/closure/scaling.h"
+#include "lib/solve/dense.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/equations.h"
 

@@ -1,13 +1,11 @@
 #include "lib/closure/second_order.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
 
 #include "lib/closure/curvature.h"
 #include "lib/closure/rank.h"
 #include "lib/closure/scaling.h"
+#include "lib/solve/dense.h"
 #include "lib/system/closure_jacobian.h"
 
 namespace lanc {

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <limits>
 
+#include "lib/solve/dense.h"
 #include "lib/system/equations.h"
 
 namespace lanc {

@@ -1,8 +1,8 @@
 #include "lib/formulation/tree_formulation.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "lib/solve/dense.h"
 #include "lib/system/equations.h"
 
 namespace lanc {
