@@ -149,13 +149,16 @@ void Evaluator<S>::apply_point_force(int body, const Vec3<S>& arm, const Vec3<S>
 template <class S>
 Vec3<S> spring_pull(const PointSpring& spring, const Vec3<S>& d, const Vec3<S>& speed) {
   const S stiffness(spring.stiffness), damping(spring.damping);
-  const bool smooth = spring.rest_length == 0 || spring.stiffness == 0;
-  if (smooth && spring.damping == 0) return d * stiffness;
-  const S length = sqrt(dot(d, d));
-  constexpr double shortest = 1e-150;  // below, d · d loses its digits
-  if (smooth && to_double(length) < shortest) return d * stiffness + speed * damping;
-  const Vec3<S> u = {d.x / length, d.y / length, d.z / length};
-  return u * (stiffness * (length - S(spring.rest_length)) + damping * dot(u, speed));
+  if (spring.rest_length != 0 && spring.stiffness != 0) {
+    const S length = sqrt(dot(d, d));
+    const Vec3<S> u = {d.x / length, d.y / length, d.z / length};
+    return u * (stiffness * (length - S(spring.rest_length)) + damping * dot(u, speed));
+  }
+  if (spring.damping == 0) return d * stiffness;
+  // The direction without asking whether d is zero: where it is, the speed's, and none where that is zero, too.
+  const Vec3<S> along = d + speed * S(1e-140);
+  const S squared = dot(along, along) + S(1e-300);
+  return d * stiffness + along * (damping * dot(along, speed) / squared);
 }
 
 template <class S>
