@@ -8,6 +8,7 @@
 #include <random>
 
 #include "lib/closure/alignment.h"
+#include "lib/closure/assembly_report.h"
 #include "lib/closure/loop_search.h"
 #include "lib/closure/retraction.h"
 
@@ -28,6 +29,7 @@ class Assembler {
       : model_(model),
         options_(options),
         scaling_(model),
+        words_(model, options.tolerance),
         search_(model, options.tolerance, options.steps),
         guess_(std::move(guess)),
         state_(guess_),
@@ -101,13 +103,6 @@ class Assembler {
     for (std::size_t k = 0; k < where.size(); ++k) state_.q[where[k]] = values[k];
   }
 
-  /// Of a row that is no length: the angle whose sine it is, or for a coupler the angle itself.
-  double gap(int row, double scaled) const {
-    const double value = std::abs(scaled) / scaling_.row[row];
-    const bool sine = row < model_.closures().body_rows && !model_.closures().row_is_length[row];
-    return sine ? std::asin(std::min(1.0, value)) : value;
-  }
-
   void report(AssemblyResult& result) {
     std::vector<double> g(model_.closures().rows());
     for (const Loop& loop : search_.loops()) {
@@ -115,40 +110,10 @@ class Assembler {
         g[loop.part.rows[r]] = loop.g[static_cast<Eigen::Index>(r)];
       result.violation = std::max(result.violation, loop.largest());
     }
-    const auto add = [&](const std::string& name, int row, int count) {
-      ClosureGap closure{name};
-      for (int k = row; k < row + count; ++k) {
-        double& worst = model_.closures().row_is_length[k] ? closure.length : closure.angle;
-        if (const double x = gap(k, g[k]); !(x <= worst)) worst = x;
-      }
-      result.gaps.push_back(std::move(closure));
-    };
-    const ClosureSet& set = model_.closures();
-    for (std::size_t c = 0; c < set.closures.size(); ++c)
-      add(model_.spec().closures[c].name, set.closures[c].row, set.closures[c].conditions().count);
-    for (std::size_t c = 0; c < set.couplers.size(); ++c) add(model_.spec().couplers[c].name, set.couplers[c].row, 1);
-    measure_move(result);
+    result.gaps = words_.gaps(g);
+    words_.measure_move(guess_.q, state_.q, result);
     explain(g, result);
     result.state = std::move(state_);
-  }
-
-  void measure_move(AssemblyResult& result) const {
-    for (const Link& link : model_.links()) {
-      const JointTraits& traits = link.kind.traits();
-      const double *a = guess_.q.data() + link.q, *b = state_.q.data() + link.q;
-      for (int k = 0; k < link.nq; ++k) {
-        if (traits.quaternion >= 0 && k >= traits.quaternion) continue;
-        const bool length = traits.quaternion > 0 || traits.q_units[k] == "m";
-        double& worst = length ? result.moved_length : result.moved_angle;
-        worst = std::max(worst, std::abs(b[k] - a[k]));
-      }
-      if (const int w = traits.quaternion; w >= 0 && link.nq > 0) {
-        double same = 0, other = 0;  // distances from the one and the other sign: accurate for small turns
-        for (int k = w; k < w + 4; ++k) same += (b[k] - a[k]) * (b[k] - a[k]), other += (b[k] + a[k]) * (b[k] + a[k]);
-        const double chord = std::sqrt(std::min(same, other));
-        result.moved_angle = std::max(result.moved_angle, 4 * std::asin(std::min(1.0, chord / 2)));
-      }
-    }
   }
 
   /// Status and message, from the loop that is worst.
@@ -193,23 +158,14 @@ class Assembler {
                                  count > 1 ? fmt::format(" ({} loops more stay open)", count - 1) : "");
   }
 
-  /// "closure.row stays open by 0.1 m", the worst three rows of a loop.
   std::string names_of_rows(int loop, const std::vector<double>& g) const {
-    std::vector<int> rows = search_.loops()[loop].part.rows;
-    std::sort(rows.begin(), rows.end(), [&](int a, int b) { return !(std::abs(g[a]) <= std::abs(g[b])); });
-    std::string text;
-    for (std::size_t k = 0; k < std::min<std::size_t>(3, rows.size()); ++k) {
-      const int row = rows[k];
-      if (k > 0 && !(std::abs(g[row]) > options_.tolerance)) break;
-      text += fmt::format("{}'{}' open by {:.3g} {}", k == 0 ? "" : ", ", model_.closures().row_names[row],
-                          gap(row, g[row]), model_.closures().row_is_length[row] ? "m" : "rad");
-    }
-    return text;
+    return words_.open_rows(search_.loops()[loop].part.rows, g);
   }
 
   const Model& model_;
   const AssemblyOptions& options_;
   ClosureScaling scaling_;
+  AssemblyReport words_;
   LoopSearch search_;
   State<double> guess_, state_;
   std::vector<Record> records_;

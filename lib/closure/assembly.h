@@ -20,10 +20,12 @@ struct AssemblyOptions {
 
 enum class AssemblyStatus : unsigned char {
   assembled,
-  infeasible,  // from every start |g|² ends in a minimum that is not zero
-  bad_start,   // no start led anywhere
-  flipped,     // the loop closes half a turn away from where it should only
-  not_finite   // a prescribed motion is not defined at this time
+  infeasible,     // from every start |g|² ends in a minimum that is not zero
+  bad_start,      // no start led anywhere
+  flipped,        // the loop closes half a turn away from where it should only
+  not_finite,     // a prescribed motion is not defined at this time
+  beyond_limits,  // it closes, but limits of joints forbid it (assembly_limits.h)
+  interrupted     // by the caller (assembly_limits.h)
 };
 
 /// How far a closure or a coupler is open: the worst of its rows that are lengths, and of those that are angles.

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "lib/closure/assembly.h"
+#include "lib/closure/assembly_limits.h"
 #include "lib/formulation/formulation.h"
 #include "lib/io/generators.h"
 #include "lib/model/error.h"
@@ -141,7 +142,7 @@ struct StateProgram::State {
   CLI::App app;
   std::string model, state_file, format = "text", out;
   Words time, q, v, tau, wrenches;
-  bool assembles = false;
+  bool assembles = false, within_limits = false;
   struct Numbers {
     std::string name;
     Words words;
@@ -167,6 +168,8 @@ struct StateProgram::State {
         ->check(given());
     app.add_flag("--assemble", assembles,
                  "move the state to the nearest one in which all loops are closed, and make velocities consistent");
+    app.add_flag("--within-limits", within_limits,
+                 "the same with every joint within its limits, nearest by least squares of all positions (Ipopt)");
     app.add_option("--format", format, "text or json")->check(CLI::IsMember({"text", "json"}))->capture_default_str();
     app.add_option("--out", out, "file to write to (default: standard output)")->check(given());
     app.add_flag_callback(
@@ -188,7 +191,7 @@ struct StateProgram::State {
     if (app.count("--q") > 0) result.state.q = joined_numbers("--q", q);
     if (app.count("--v") > 0) result.state.v = joined_numbers("--v", v);
     result.state = checked_state(result.model, std::move(result.state));
-    if (assembles) result.state = assembled(result.model, std::move(result.state));
+    if (assembles || within_limits) result.state = assembled(result.model, std::move(result.state));
     if (!tau.empty()) result.loads.tau = joined_numbers("--tau", tau);
     if (!tau.empty() || !result.loads.tau.empty())
       result.loads.tau = checked_tau(result.model, std::move(result.loads.tau));
@@ -206,16 +209,27 @@ struct StateProgram::State {
 
   /// Tells on stderr how far it moved, so that stdout stays what --format says.
   lanc::State<double> assembled(const Model& mechanism, lanc::State<double> state) const {
-    const AssemblyResult positions = assemble(mechanism, std::move(state));
-    if (!positions.assembled()) throw InputError("--assemble: " + positions.message);
+    const char* option = within_limits ? "--within-limits" : "--assemble";
+    AssemblyResult positions;
+    std::string limits;
+    if (within_limits) {
+      LimitedAssemblyResult limited = assemble_within_limits(mechanism, std::move(state));
+      if (!limited.reached.empty()) limits = "; " + to_text(mechanism, limited.reached);
+      positions = std::move(limited);
+    } else {
+      positions = assemble(mechanism, std::move(state));
+      const std::vector<ReachedLimit> violated = violated_limits(mechanism, positions.state.q);
+      if (!violated.empty()) limits = fmt::format("; {}: see --within-limits", to_text(mechanism, violated));
+    }
+    if (!positions.assembled()) throw InputError(fmt::format("{}: {}", option, positions.message));
     const VelocityResult velocities = consistent_velocities(mechanism, positions.state);
-    if (!velocities.consistent) throw InputError("--assemble: " + velocities.message);
+    if (!velocities.consistent) throw InputError(fmt::format("{}: {}", option, velocities.message));
     fmt::print(
         stderr,
         "{}: assembled, {}largest change of a position {:.3g} rad, {:.3g} m; of a velocity, in model lengths and "
-        "radians, {:.3g}/s\n",
+        "radians, {:.3g}/s{}\n",
         name, positions.starts > 1 ? fmt::format("at start {}, ", positions.starts) : "", positions.moved_angle,
-        positions.moved_length, velocities.changed);
+        positions.moved_length, velocities.changed, limits);
     return velocities.state;
   }
 

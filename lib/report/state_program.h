@@ -28,9 +28,9 @@ struct StateOutput {
   int exit_code = 0;
 };
 
-/// Program `NAME MODEL [--time T] [--q ...] [--v ...] [--state FILE.json] [--assemble] [--format json|text] [--out
-/// FILE]`; with loads also --tau and --wrench. The state is that of the model, then of --state, then of the other
-/// options, then assembled. Tested by tests/cli/cli_test.cpp.
+/// Program `NAME MODEL [--time T] [--q ...] [--v ...] [--state FILE.json] [--assemble | --within-limits] [--format
+/// json|text] [--out FILE]`; with loads also --tau and --wrench. The state is that of the model, then of --state, then
+/// of the other options, then assembled. Tested by tests/cli/cli_test.cpp.
 class StateProgram {
  public:
   StateProgram(std::string name, std::string description, bool takes_loads);
