@@ -3,6 +3,7 @@
 
 #include "lib/formulation/formulation.h"
 #include "lib/io/generators.h"
+#include "lib/io/joint_graph.h"
 #include "lib/io/mechanism.h"
 #include "lib/model/error.h"
 #include "lib/model/model.h"

@@ -68,6 +68,17 @@ Json coupler_json(const Model& model, int k) {
           {"rows", {model.closures().row_names[model.closures().couplers[k].row]}}};
 }
 
+Json cuts_json(const GraphRecord& graph) {
+  Json cuts = Json::array();
+  for (const LoopCut& cut : graph.cuts)
+    cuts.push_back({{"joint", cut.joint},
+                    {"type", cut.kind.traits().name},
+                    {"conditions", cut.conditions},
+                    {"demanded", cut.demanded},
+                    {"loop", cut.loop}});
+  return cuts;
+}
+
 }  // namespace
 
 Json to_json(const MechanismReport& report) {
@@ -100,6 +111,8 @@ Json to_json(const MechanismReport& report) {
       {"bodies", bodies},
       {"joints", joints},
       {"loops", loops},
+      {"cuts", cuts_json(report.input.graph)},
+      {"reversed", report.input.graph.reversed},
       {"velocities", m.velocities},
       {"closure_rows", m.closure_rows},
       {"grubler", m.grubler},

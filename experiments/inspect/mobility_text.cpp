@@ -58,6 +58,16 @@ std::string loop_table(const Model& model, const Mobility& m) {
   return "\nClosures (conditions that cut loops are closed by)\n" + table.text();
 }
 
+std::string graph_text(const GraphRecord& graph) {
+  std::string text;
+  for (const LoopCut& cut : graph.cuts) text += to_text(cut) + "\n";
+  if (!text.empty()) text = "\nLoops of the graph of joints\n" + text;
+  if (!graph.reversed.empty())
+    text += fmt::format("\nIn the tree body_b of these joints carries body_a, which changes their coordinates: {}\n",
+                        fmt::join(graph.reversed, ", "));
+  return text;
+}
+
 }  // namespace
 
 std::string mobility_text(const MechanismReport& report) {
@@ -82,6 +92,7 @@ std::string mobility_text(const MechanismReport& report) {
   if (report.absolute)
     text += fmt::format("In absolute coordinates: {} coordinates, {} conditions of all joints, rank {}, redundant {}\n",
                         m.absolute_coordinates, m.absolute_rows, m.absolute_rank, m.redundant());
+  text += graph_text(report.input.graph);
   if (m.closure_rows == 0) return text;
   if (m.position_violation > 1e-9)
     text +=

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "lib/io/joint_graph.h"
 #include "lib/model/model.h"
 
 namespace lanc {
@@ -12,6 +13,7 @@ namespace lanc {
 struct Mechanism {
   Model model;
   State<double> state;
+  GraphRecord graph = {};  // which loops were cut where, when it was given as a graph of joints
 };
 
 /// `argument` is a file (*.toml, *.urdf, or anything with a path separator or an extension) or a generator with options

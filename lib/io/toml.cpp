@@ -55,105 +55,6 @@ BodySpec read_body(const toml::table& source, const std::string& file) {
   return body;
 }
 
-/// Calls set(coordinate, entry) for the entry of every velocity coordinate: `key` is a number for a joint of one
-/// freedom, an array with one entry per velocity otherwise.
-template <class Set>
-void read_coordinates(const TomlTable& table, std::string_view key, JointSpec& joint, Set set) {
-  const toml::node* node = table.find(key);
-  if (!node) return;
-  const JointTraits& traits = joint.kind.traits();
-  const auto count = static_cast<std::size_t>(traits.nv);
-  const toml::array* array = node->as_array();
-  if (count == 0) table.fail(*node, fmt::format("a {} joint has no velocity; remove {}", traits.name, key));
-  if ((array ? array->size() : 1) != count)
-    table.fail(*node, fmt::format("{} needs {} ({}), not {}", key,
-                                  count == 1 ? "1 number" : fmt::format("an array of {}", count),
-                                  fmt::join(traits.v_names.begin(), traits.v_names.begin() + traits.nv, ", "),
-                                  array ? array->size() : 1));
-  joint.coordinates.resize(count);
-  for (std::size_t k = 0; k < count; ++k) set(joint.coordinates[k], array ? *array->get(k) : *node);
-}
-
-void read_friction(const TomlTable& table, CoordinateSpec& c, const toml::node& node) {
-  if (node.is_table()) {
-    static constexpr std::string_view keys[] = {"positive", "negative"};
-    const TomlTable both(*node.as_table(), table.file(), table.who() + ": friction", keys);
-    for (const std::string_view key : keys)
-      if (!both.find(key)) both.fail(fmt::format("{} is missing; give both directions or a single number", key));
-    c.friction_positive = both.number("positive");
-    c.friction_negative = both.number("negative");
-  } else {
-    c.friction_positive = c.friction_negative = table.number(node, "friction");
-  }
-}
-
-void read_passive(const TomlTable& table, JointSpec& joint) {
-  const auto plain = [&](std::string_view key, double CoordinateSpec::*field) {
-    read_coordinates(table, key, joint,
-                     [&](CoordinateSpec& c, const toml::node& node) { c.*field = table.number(node, key); });
-  };
-  plain("stiffness", &CoordinateSpec::stiffness);
-  plain("rest", &CoordinateSpec::rest);
-  plain("damping", &CoordinateSpec::damping);
-  plain("friction_speed", &CoordinateSpec::friction_speed);
-  plain("torque", &CoordinateSpec::torque);
-  plain("armature", &CoordinateSpec::armature);
-  read_coordinates(table, "friction", joint,
-                   [&](CoordinateSpec& c, const toml::node& node) { read_friction(table, c, node); });
-}
-
-/// limits = [lower, upper] for one position coordinate, else one such pair per coordinate, [] for one without limits.
-void read_limits(const TomlTable& table, JointSpec& joint) {
-  const toml::node* node = table.find("limits");
-  if (!node) return;
-  const JointTraits& traits = joint.kind.traits();
-  const auto pair = [&](const toml::node& entry) -> std::optional<LimitSpec> {
-    const std::vector<double> values = table.numbers(entry, "limits");
-    if (values.empty()) return std::nullopt;
-    if (values.size() != 2) table.fail(entry, fmt::format("a limit is [lower, upper], not {} numbers", values.size()));
-    return LimitSpec{values[0], values[1]};
-  };
-  if (traits.nq == 0) table.fail(*node, fmt::format("a {} joint has no position; remove limits", traits.name));
-  if (traits.nq == 1) {
-    joint.limits.push_back(pair(*node));
-    return;
-  }
-  const toml::array* array = node->as_array();
-  if (!array || array->size() != static_cast<std::size_t>(traits.nq))
-    table.fail(*node, fmt::format("limits needs an array of {} pairs [lower, upper], or [] for none, for {}", traits.nq,
-                                  fmt::join(traits.q_names.begin(), traits.q_names.begin() + traits.nq, ", ")));
-  for (const toml::node& entry : *array) joint.limits.push_back(pair(entry));
-}
-
-JointSpec read_joint(const toml::table& source, const std::string& file) {
-  static constexpr std::string_view keys[] = {
-      "name",      "type", "parent",  "body",     "position",       "rpy",    "quaternion", "axis",   "axis2", "pitch",
-      "stiffness", "rest", "damping", "friction", "friction_speed", "torque", "armature",   "limits", "motion"};
-  const TomlTable table(source, file, label("joint", source), keys);
-  JointSpec joint;
-  joint.place = table.place();
-  joint.name = table.name("name");
-  const std::string type = table.name("type");
-  const std::optional<JointKind> kind = find_joint_kind(type);
-  if (!kind) {
-    std::array<std::string_view, joint_kinds> names;
-    for (unsigned char k = 0; k < joint_kinds; ++k) names[k] = JointKind{k}.traits().name;
-    unknown_type(table, "joint", type, names);
-  }
-  joint.kind = *kind;
-  joint.parent = body_or_ground(table, "parent");
-  joint.body = table.name("body");
-  joint.frame.position = table.vector("position");
-  joint.frame.rotation = read_rotation(table);
-  if (table.find("axis")) joint.axis = table.vector("axis");
-  if (table.find("axis2")) joint.axis2 = table.vector("axis2");
-  joint.pitch = table.number("pitch");
-  read_passive(table, joint);
-  read_limits(table, joint);
-  if (table.find("motion")) joint.motion = read_motion(table);
-  return joint;
-}
-
 PointSpringSpec read_spring(const toml::table& source, const std::string& file) {
   static constexpr std::string_view keys[] = {"name",    "body_a",    "body_b",  "point_a",
                                               "point_b", "stiffness", "damping", "rest_length"};
@@ -183,9 +84,18 @@ WrenchSpec read_wrench(const toml::table& source, const std::string& file) {
   return wrench;
 }
 
+void refuse_cut_joint(const TomlTable& state, std::string_view joint, const toml::node& node,
+                      const GraphRecord& graph) {
+  for (const LoopCut& cut : graph.cuts)
+    if (cut.joint == joint)
+      state.fail(node, fmt::format("joint {} has no coordinates, its loop is cut there; give those of the loop's other "
+                                   "joints, or set cut = false at this one",
+                                   in_quotes(joint)));
+}
+
 /// [state.q] or [state.v]: a number or an array per joint, into the joint's coordinates of `all`.
 void read_coordinates_by_joint(const TomlTable& state, std::string_view key, const Model& model,
-                               std::vector<double>& all) {
+                               const GraphRecord& graph, std::vector<double>& all) {
   const toml::table& source = state.table(key);
   if (source.empty()) return;
   const bool position = key == "q";
@@ -197,7 +107,10 @@ void read_coordinates_by_joint(const TomlTable& state, std::string_view key, con
   }
   for (const auto& [joint, node] : source) {
     const auto found = index.find(joint.str());
-    if (found == index.end()) state.unknown_key(joint, names);
+    if (found == index.end()) {
+      refuse_cut_joint(state, joint.str(), node, graph);
+      state.unknown_key(joint, names);
+    }
     const Link& link = model.link(found->second);
     const JointTraits& traits = link.kind.traits();
     const int first = position ? link.q : link.v, count = position ? link.nq : link.nv;
@@ -216,19 +129,35 @@ void read_coordinates_by_joint(const TomlTable& state, std::string_view key, con
   }
 }
 
-State<double> read_state(const TomlTable& document, const Model& model) {
+State<double> read_state(const TomlTable& document, const Model& model, const GraphRecord& graph) {
   State<double> state = neutral_state(model);
   if (!document.find("state")) return state;
   static constexpr std::string_view keys[] = {"t", "q", "v"};
   const TomlTable table(document.table("state"), document.file(), "state", keys);
   state.t = table.number("t");
-  read_coordinates_by_joint(table, "q", model, state.q);
-  read_coordinates_by_joint(table, "v", model, state.v);
+  read_coordinates_by_joint(table, "q", model, graph, state.q);
+  read_coordinates_by_joint(table, "v", model, graph, state.v);
   try {
-    return checked_state(model, std::move(state));
+    return with_reversed_joints(model, graph, checked_state(model, std::move(state)));
   } catch (const InputError& error) {
     table.fail(table.find("q") ? *table.find("q") : *document.find("state"), error.what());
   }
+}
+
+/// All [[joint]]s into spec.joints; when they form a graph they are returned, too.
+std::vector<GraphJointSpec> read_joints(const TomlTable& document, ModelSpec& spec) {
+  const std::vector<const toml::table*> tables = document.tables("joint");
+  std::vector<GraphJointSpec> graph;
+  const bool is_graph = !tables.empty() && is_of_graph(*tables[0]);
+  for (const toml::table* table : tables) {
+    if (is_of_graph(*table) != is_graph)
+      document.fail(*table, fmt::format("{} is given by {}, but {} by {}; give all joints of a file in the same way",
+                                        label("joint", *tables[0]), is_graph ? "body_a and body_b" : "parent and body",
+                                        label("joint", *table), is_graph ? "parent and body" : "body_a and body_b"));
+    if (is_graph) graph.push_back(read_graph_joint(*table, document.file()));
+    spec.joints.push_back(is_graph ? graph.back().joint : read_joint(*table, document.file()));
+  }
+  return graph;
 }
 
 }  // namespace
@@ -244,16 +173,22 @@ Mechanism load_toml_text(std::string_view text, const std::string& name) {
   spec.gravity = document.vector("gravity");
   if (document.find("length")) spec.length = document.number("length");
   for (const toml::table* table : document.tables("body")) spec.bodies.push_back(read_body(*table, name));
-  for (const toml::table* table : document.tables("joint")) spec.joints.push_back(read_joint(*table, name));
+  std::vector<GraphJointSpec> graph = read_joints(document, spec);
   for (const toml::table* table : document.tables("closure")) spec.closures.push_back(read_closure(*table, name));
   for (const toml::table* table : document.tables("coupler"))
     spec.couplers.push_back(read_coupler(*table, name, spec.joints));
   for (const toml::table* table : document.tables("spring")) spec.springs.push_back(read_spring(*table, name));
   for (const toml::table* table : document.tables("wrench")) spec.wrenches.push_back(read_wrench(*table, name));
   if (spec.bodies.empty()) throw InputError(spec.place, "the model has no body; add a [[body]] and its [[joint]]");
-  Model model = Model::build(spec);
-  State<double> state = read_state(document, model);
-  return {std::move(model), std::move(state)};
+  GraphRecord record;
+  if (!graph.empty()) {
+    spec.joints.clear();
+    CutGraph cut = cut_loops({std::move(spec), std::move(graph)});
+    spec = std::move(cut.model), record = std::move(cut.record);
+  }
+  Model model = Model::build(std::move(spec));
+  State<double> state = read_state(document, model, record);
+  return {std::move(model), std::move(state), std::move(record)};
 }
 
 Mechanism load_toml(const std::string& path) { return load_toml_text(read_model_file(path), path); }

@@ -14,10 +14,6 @@ std::vector<std::string> position_names(const JointKind kind) {
   return {traits.q_names.begin(), traits.q_names.begin() + traits.nq};
 }
 
-Placement read_placement(const TomlTable& table, const std::string& suffix) {
-  return {read_rotation(table, suffix), table.vector("position" + suffix)};
-}
-
 /// "joint" or "joint.coordinate" into the term's joint and coordinate. A name that has a dot of its own and is that of
 /// a joint is the joint's.
 void read_coordinate(const TomlTable& table, const toml::node& node, const std::vector<JointSpec>& joints,

@@ -48,6 +48,10 @@ Eigen::Matrix3d read_rotation(const TomlTable& joint, const std::string& suffix)
   return q.normalized().toRotationMatrix();
 }
 
+Placement read_placement(const TomlTable& table, const std::string& suffix) {
+  return {read_rotation(table, suffix), table.vector("position" + suffix)};
+}
+
 MotionSpec read_motion(const TomlTable& joint) {
   static constexpr std::string_view types[] = {"constant-speed", "polynomial", "sine", "spline", "expression"};
   static constexpr std::string_view speed_keys[] = {"type", "start", "rate"},

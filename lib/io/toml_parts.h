@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lib/io/joint_graph.h"
 #include "lib/io/toml_reader.h"
 #include "lib/model/spec.h"
 
@@ -24,8 +25,16 @@ std::string body_or_ground(const TomlTable& table, std::string_view key);
 /// From the keys quaternion or rpy, followed by `suffix`.
 Eigen::Matrix3d read_rotation(const TomlTable& table, const std::string& suffix = {});
 
+/// From the keys position, and quaternion or rpy, followed by `suffix`.
+Placement read_placement(const TomlTable& table, const std::string& suffix = {});
+
 /// From the key motion, which must be there.
 MotionSpec read_motion(const TomlTable& table);
+
+/// [[joint]] of a tree, and of a graph (which a joint with body_a or body_b is of).
+bool is_of_graph(const toml::table& joint);
+JointSpec read_joint(const toml::table& source, const std::string& file);
+GraphJointSpec read_graph_joint(const toml::table& source, const std::string& file);
 
 /// [[closure]] and [[coupler]]; which bodies and joints there are is known to the model's builder, what a joint's
 /// coordinates are called to `joints`.

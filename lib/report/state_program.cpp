@@ -182,6 +182,7 @@ struct StateProgram::State {
     Mechanism mechanism = load_mechanism(model);
     StateInput result{model, mechanism.model, std::move(mechanism.state), {}};
     result.format = format == "json" ? Format::json : Format::text;
+    result.graph = std::move(mechanism.graph);
     if (!state_file.empty()) read_state_file(state_file, takes_loads, result);
     if (!time.empty()) {
       const std::vector<double> t = joined_numbers("--time", time);

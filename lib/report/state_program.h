@@ -20,6 +20,7 @@ struct StateInput {
   State<double> state;  // checked
   Loads<double> loads;
   Format format = Format::text;
+  GraphRecord graph = {};  // of a model that was given as a graph of joints
 };
 
 /// What a program has to say, and the exit code it ends with.

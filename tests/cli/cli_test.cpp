@@ -292,8 +292,8 @@ TEST(Inspect, JsonHasTheKeysOfTheContract) {
   const Finished r = run("inspect", {"tree:5:joint=spherical", "--format", "json"});
   ASSERT_EQ(r.exit_code, 0) << r.error;
   const Json j = r.json();
-  EXPECT_EQ(keys(j), sorted({"bodies", "joints", "loops", "velocities", "closure_rows", "grubler", "rank",
-                             "generic_rank", "redundant", "mobility", "finite_mobility", "verdict", "sigma",
+  EXPECT_EQ(keys(j), sorted({"bodies", "joints", "loops", "cuts", "reversed", "velocities", "closure_rows", "grubler",
+                             "rank", "generic_rank", "redundant", "mobility", "finite_mobility", "verdict", "sigma",
                              "redundant_rows", "removable_rows", "unique_reactions"}));
   EXPECT_EQ(j["bodies"].size(), 5u);
   EXPECT_EQ(j["joints"][4]["parent"], "b2");
