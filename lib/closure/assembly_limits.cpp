@@ -86,20 +86,23 @@ class LimitedAssembler {
       const LimitedAttempt attempt = loops_.run(part, state_, preferred_, options_.interrupted);
       put(part, attempt.q);
       const bool flipped = attempt.end == LimitedEnd::closed && is_flipped(part);
-      const bool closed = attempt.end == LimitedEnd::closed && !flipped;
       ++record.starts;
-      const bool better =
-          start == 0 || (closed && !record.closed()) ||
-          (closed ? attempt.distance < record.best.distance
-                  : !record.closed() && !flipped && (record.flipped || attempt.violation < record.best.violation));
-      if (better) record.best = attempt, record.flipped = flipped, record.start = start;
+      if (start == 0 || is_better(attempt, flipped, record))
+        record.best = attempt, record.flipped = flipped, record.start = start;
       if (attempt.end == LimitedEnd::interrupted || attempt.end == LimitedEnd::not_finite) {
         if (!record.closed()) record.best.end = attempt.end;
         break;
       }
-      if (closed && attempt.distance == 0) break;
+      if (record.closed() && record.best.distance == 0) break;
     }
     return record;
+  }
+
+  static bool is_better(const LimitedAttempt& attempt, bool flipped, const Record& record) {
+    constexpr double rounding = 1e-7;  // the same place again is not nearer
+    if (attempt.end == LimitedEnd::closed && !flipped)
+      return !record.closed() || attempt.distance < record.best.distance * (1 - rounding);
+    return !record.closed() && !flipped && (record.flipped || attempt.violation < record.best.violation);
   }
 
   /// Positions of a part, within limits.

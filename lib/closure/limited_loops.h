@@ -50,7 +50,7 @@ struct LimitedAttempt {
 /// which bears redundant and contradictory rows, and the shift c raised by what stays open until nothing does (method
 /// of multipliers; where that stops to help, the loop is open). Then Newton steps of least norm with coordinates at
 /// their limits held fast, down to rounding. Every step of Ipopt: two evaluations of the model per position, O(n) each,
-/// for second derivatives.
+/// for second derivatives; a few in all, and BFGS, for loops of many positions.
 class LimitedLoops {
  public:
   LimitedLoops(const Model& model, double tolerance);

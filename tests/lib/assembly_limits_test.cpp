@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
 #include <numbers>
 
 #include "lib/closure/scaling.h"
 #include "lib/io/mechanism.h"
-#include "lib/solve/dense.h"
 #include "lib/solve/ipopt.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/evaluator.h"
@@ -265,6 +265,37 @@ TEST_F(AssemblyWithinLimits, moves_a_stewart_platform_as_far_as_its_legs_reach) 
   EXPECT_LE(s.rest, 1e-7 * s.gradient);
   EXPECT_LE(s.wrong_sign, 1e-7);
   EXPECT_GT(s.gradient, 0.1);
+}
+
+TEST_F(AssemblyWithinLimits, closes_random_mechanisms_within_limits_that_leave_a_way) {
+  int reached = 0;
+  for (int seed = 1; seed <= 20; ++seed) {
+    const std::string name = "random-loops:3:seed=" + std::to_string(seed);
+    const Mechanism m = load_mechanism(name);
+    Random random(seed);
+    ModelSpec spec = m.model.spec();
+    State<double> guess = m.state;
+    for (int i = 0; i < m.model.bodies(); ++i) {
+      const Link& link = m.model.link(i);
+      spec.joints[i].limits.assign(spec.joints[i].kind.traits().nq, std::nullopt);
+      for (int k = 0; k < link.nq; ++k) {
+        const double q = m.state.q[link.q + k];
+        if (random.chance(0.5)) spec.joints[i].limits[k] = LimitSpec{q - random.uniform(0, 0.1), q + 0.1};
+        guess.q[link.q + k] += random.uniform(-0.3, 0.3);
+      }
+      if (const int w = link.kind.traits().quaternion; w >= 0 && link.nq > 0) {
+        Eigen::Map<Eigen::Vector4d> e(&guess.q[link.q + w]);
+        e.normalize();
+      }
+    }
+    const Model model = Model::build(spec);
+    const LimitedAssemblyResult result = assemble_within_limits(model, guess, {.compared = 1});
+    EXPECT_TRUE(result.assembled()) << name << ": " << result.message;
+    EXPECT_TRUE(violated_limits(model, result.state.q).empty()) << name;
+    EXPECT_LE(result.violation, 1e-12) << name;
+    reached += static_cast<int>(result.reached.size());
+  }
+  EXPECT_GT(reached, 30);
 }
 
 TEST_F(AssemblyWithinLimits, names_the_limits_that_keep_a_loop_open) {
