@@ -305,7 +305,7 @@ TEST(Inspect, JsonHasTheKeysOfTheContract) {
 TEST(Inspect, TextShowsWhatAnEngineerAsksFor) {
   const Finished r = run("inspect", {std::string(LANC_SOURCE_DIR) + "/data/models/springs.toml"});
   ASSERT_EQ(r.exit_code, 0) << r.error;
-  for (const char* text : {"Mobility 2", "left_rail", "prismatic", "Point springs", "tie", "friction", "point mass"})
+  for (const char* text : {"finite mobility", "left_rail", "prismatic", "Point springs", "tie", "friction", "point mass"})
     EXPECT_NE(r.out.find(text), std::string::npos) << text << " is missing in\n" << r.out;
 }
 
