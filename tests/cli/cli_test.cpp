@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "lib/formulation/formulation.h"
+#include "lib/solve/ipopt.h"
 #include "tests/support/programs.h"
 
 namespace {
@@ -253,6 +254,25 @@ TEST(Solve, AssemblesTheStateWhenItIsAskedTo) {
   EXPECT_NE(never.error.find("cannot be assembled"), std::string::npos) << never.error;
 }
 
+TEST(Solve, KeepsJointsWithinTheirLimitsWhenItIsAskedTo) {
+  std::string text = text_of(fs::path(LANC_SOURCE_DIR) / "data/models/linkages/planar-four-bar.toml");
+  const std::string hinge = "body = \"link1\"\n";
+  text.insert(text.find(hinge) + hinge.size(), "limits = [0.2, 0.7]\n");
+  const std::string model = write("limited.toml", text);
+  const Finished nearest = run("solve", {model, "--assemble"});
+  EXPECT_EQ(nearest.exit_code, 0) << nearest.error;
+  EXPECT_NE(nearest.error.find("'hinge1.angle' 0.2 rad beyond its lower limit 0.2 rad"), std::string::npos)
+      << nearest.error;
+  const Finished limited = run("solve", {model, "--within-limits"});
+  if (lanc::has_ipopt()) {
+    EXPECT_EQ(limited.exit_code, 0) << limited.error;
+    EXPECT_NE(limited.error.find("'hinge1.angle' at its lower limit 0.2 rad"), std::string::npos) << limited.error;
+  } else {
+    EXPECT_EQ(limited.exit_code, 2);
+    EXPECT_NE(limited.error.find("LANC_WITH_IPOPT"), std::string::npos) << limited.error;
+  }
+}
+
 TEST(Solve, OutWritesToAFile) {
   const std::string file = (folder() / "answer.json").string();
   const Finished r = run("solve", {"chain:2", "--format", "json", "--out", file});
@@ -305,7 +325,8 @@ TEST(Inspect, JsonHasTheKeysOfTheContract) {
 TEST(Inspect, TextShowsWhatAnEngineerAsksFor) {
   const Finished r = run("inspect", {std::string(LANC_SOURCE_DIR) + "/data/models/springs.toml"});
   ASSERT_EQ(r.exit_code, 0) << r.error;
-  for (const char* text : {"finite mobility", "left_rail", "prismatic", "Point springs", "tie", "friction", "point mass"})
+  for (const char* text :
+       {"finite mobility", "left_rail", "prismatic", "Point springs", "tie", "friction", "point mass"})
     EXPECT_NE(r.out.find(text), std::string::npos) << text << " is missing in\n" << r.out;
 }
 
