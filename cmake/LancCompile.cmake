@@ -11,7 +11,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 # A call inside the library needs no detour through the dynamic linker.
 target_compile_options(lanc_compile INTERFACE -fno-semantic-interposition)
-target_compile_options(lanc_compile INTERFACE $<$<CONFIG:Release>:-O3> -fno-math-errno)
+target_compile_options(lanc_compile INTERFACE -fno-math-errno)
 if(LANC_NATIVE)
   target_compile_options(lanc_compile INTERFACE -march=native)
 endif()

@@ -8,6 +8,12 @@ find_package(urdfdom REQUIRED)
 find_package(console_bridge REQUIRED)
 find_package(tinyxml2 REQUIRED)
 
+find_path(LANC_LAPACKE_INCLUDE lapacke.h REQUIRED)
+find_library(LANC_lapacke lapacke REQUIRED)
+add_library(lanc_lapack INTERFACE)
+target_include_directories(lanc_lapack SYSTEM INTERFACE ${LANC_LAPACKE_INCLUDE})
+target_link_libraries(lanc_lapack INTERFACE ${LANC_lapacke})
+
 find_path(LANC_SUITESPARSE_INCLUDE cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 add_library(lanc_suitesparse INTERFACE)
 target_include_directories(lanc_suitesparse SYSTEM INTERFACE ${LANC_SUITESPARSE_INCLUDE})

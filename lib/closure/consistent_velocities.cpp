@@ -30,13 +30,13 @@ Independent independent_rows(const Model& model, const ClosureJacobian<double>& 
   std::vector<double> sizes;
   for (const ClosureComponent& part : closure_components(jacobian.starts(), jacobian.columns(), model.nv())) {
     if (part.columns.empty()) continue;
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(G(part.rows, part.columns), Eigen::ComputeThinU);
-    largest = std::max(largest, svd.singularValues()[0]);
-    for (Eigen::Index k = 0; k < svd.singularValues().size(); ++k) {
+    const SingularValues svd = left_singular_values(G(part.rows, part.columns), SingularVectors::thin);
+    largest = std::max(largest, svd.sigma[0]);
+    for (Eigen::Index k = 0; k < svd.sigma.size(); ++k) {
       Eigen::VectorXd u = Eigen::VectorXd::Zero(jacobian.rows());
-      u(part.rows) = svd.matrixU().col(k);
+      u(part.rows) = svd.U.col(k);
       directions.push_back(std::move(u));
-      sizes.push_back(svd.singularValues()[k]);
+      sizes.push_back(svd.sigma[k]);
     }
   }
   Independent result;

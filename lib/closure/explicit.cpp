@@ -57,7 +57,7 @@ double ExplicitClosures::condition_of(const Eigen::MatrixXd& G, const std::vecto
   if (static_cast<int>(independent.size()) + G.rows() != G.cols()) return std::numeric_limits<double>::infinity();
   if (G.rows() == 0) return 1;
   const Eigen::MatrixXd Gd = G(Eigen::all, complement(independent, model_.nv()));
-  const Eigen::VectorXd sigma = Eigen::BDCSVD<Eigen::MatrixXd>(Gd).singularValues();
+  const Eigen::VectorXd sigma = singular_values(Gd).sigma;
   const double smallest = sigma[sigma.size() - 1];
   const double largest = std::max(sigma[0], G.rowwise().norm().maxCoeff());
   return smallest > 0 ? largest / smallest : std::numeric_limits<double>::infinity();
@@ -158,12 +158,10 @@ std::optional<State<double>> solve_dependent(const Model& model, State<double> s
     last = error;
     // all rows: redundant ones agree to first order near a solution, and least squares weighs the rest
     const Eigen::MatrixXd Gd = scaled_rows(system, all)(Eigen::all, conditions.dependent);
-    Eigen::BDCSVD<Eigen::MatrixXd> svd(Gd, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const SingularValues svd = singular_values(Gd, SingularVectors::thin);
     const int rank = static_cast<int>(conditions.dependent.size());
-    const Eigen::VectorXd sigma = svd.singularValues().head(rank);
-    if (!(sigma[rank - 1] > 1e-14 * sigma[0])) return std::nullopt;
-    const Eigen::VectorXd move = svd.matrixV().leftCols(rank) *
-                                 (sigma.cwiseInverse().asDiagonal() * (svd.matrixU().leftCols(rank).transpose() * g));
+    if (!(svd.sigma[rank - 1] > 1e-14 * svd.sigma[0])) return std::nullopt;
+    const Eigen::VectorXd move = svd.solve(g, 0);
     std::vector<double> v(model.nv(), 0.0);
     for (int d = 0; d < rank; ++d) v[conditions.dependent[d]] = -move[d] * scaling.column[conditions.dependent[d]];
     state.q = moved(model, state.q, v);

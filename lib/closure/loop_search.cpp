@@ -94,8 +94,8 @@ void LoopSearch::read(Loop& loop) const {
     loop.U.resize(m, 0), loop.V.resize(0, 0), loop.sigma.resize(0);
     return;
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(loop.G, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  loop.U = svd.matrixU(), loop.V = svd.matrixV(), loop.sigma = svd.singularValues();
+  SingularValues svd = singular_values(loop.G, SingularVectors::thin);
+  loop.U = std::move(svd.U), loop.V = std::move(svd.V), loop.sigma = std::move(svd.sigma);
 }
 
 /// Decides whether the loop has ended where it is; else finds its next step.

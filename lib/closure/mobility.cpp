@@ -122,6 +122,8 @@ class Analysis {
       guess.q = moved(model_, state.q, v);
       AssemblyOptions nearby;
       nearby.starts = 1;
+      // dimensions that are not exact keep an overconstrained linkage as far open all along the walk
+      nearby.tolerance = std::max(nearby.tolerance, 10 * result_.position_violation);
       const AssemblyResult next = assemble(model_, guess, nearby);
       if (!next.assembled() || moved_less(guess, next.state, length / 2)) return;
       state = next.state;

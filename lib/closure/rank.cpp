@@ -4,8 +4,8 @@
 
 #include "lib/closure/components.h"
 #include "lib/closure/curvature.h"
+#include "lib/closure/row_space.h"
 #include "lib/closure/scaling.h"
-#include "lib/solve/dense.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/equations.h"
 
@@ -16,10 +16,12 @@ namespace {
 /// The rows of loops that hang together.
 struct Block {
   ClosureComponent part;
-  Eigen::MatrixXd G;  // scaled
-  Eigen::MatrixXd U;  // left singular vectors, all of them
-  Eigen::VectorXd sigma;
-  int rank = 0;
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::SparseMatrix<double> Gt;  // scaled, transposed
+  std::unique_ptr<RowSpace> space;
+
+  int rows() const { return static_cast<int>(part.rows.size()); }
+  int redundant() const { return rows() - space->rank(); }
 };
 
 }  // namespace
@@ -39,7 +41,10 @@ struct ClosureRank<S>::Work {
   explicit Work(const Model& m) : model(m), scaling(m), jacobian(m), at_rest(m) {
     for (ClosureComponent& part : closure_components(jacobian.starts(), jacobian.columns(), m.nv())) {
       Block block;
-      block.G.setZero(part.rows.size(), part.columns.size());
+      const auto rows = static_cast<Eigen::Index>(part.rows.size()),
+                 columns = static_cast<Eigen::Index>(part.columns.size());
+      block.Gt.resize(columns, rows);
+      block.space = RowSpace::create(rows, columns);
       block.part = std::move(part);
       blocks.push_back(std::move(block));
     }
@@ -47,32 +52,24 @@ struct ClosureRank<S>::Work {
     decision.correction.resize(m.closures().rows());
   }
 
-  void fill(Block& block) const {
-    for (int r = 0; r < static_cast<int>(block.part.rows.size()); ++r) {
+  void decompose(Block& block) const {
+    block.entries.clear();
+    for (int r = 0; r < block.rows(); ++r) {
       const int k = block.part.rows[r];
       for (int p = jacobian.starts()[k]; p < jacobian.starts()[k + 1]; ++p) {
         const int c = jacobian.columns()[p];
-        block.G(r, block.part.local_column(c)) = to_double(jacobian.values()[p]) * scaling.row[k] * scaling.column[c];
+        block.entries.emplace_back(block.part.local_column(c), r,
+                                   to_double(jacobian.values()[p]) * scaling.row[k] * scaling.column[c]);
       }
     }
-  }
-
-  void decompose(Block& block) const {
-    if (block.G.cols() == 0) {
-      block.U.setIdentity(block.G.rows(), block.G.rows());
-      block.sigma.resize(0);
-      return;
-    }
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(block.G, Eigen::ComputeFullU);
-    block.U = svd.matrixU();
-    block.sigma = svd.singularValues();
+    block.Gt.setFromTriplets(block.entries.begin(), block.entries.end());
+    block.space->decompose(block.Gt);
   }
 
   /// Rank of every block: singular values above the threshold, or the given number of largest ones of all.
   void choose_rank(RankPolicy policy) {
     std::vector<double> all;
-    for (const Block& block : blocks)
-      all.insert(all.end(), block.sigma.data(), block.sigma.data() + block.sigma.size());
+    for (const Block& block : blocks) all.insert(all.end(), block.space->sigma().begin(), block.space->sigma().end());
     std::sort(all.begin(), all.end(), std::greater<>());
     const double unit = all.empty() ? 1 : std::max(1.0, all[0]);
     double threshold = zero_singular_value * unit;
@@ -82,9 +79,9 @@ struct ClosureRank<S>::Work {
                                                                : all[policy.rank - 1];
     decision.rank = 0;
     for (Block& block : blocks) {
-      block.rank = 0;
-      for (const double s : block.sigma) block.rank += s >= threshold && s > 0;
-      decision.rank += block.rank;
+      const Eigen::VectorXd& sigma = block.space->sigma();
+      block.space->set_rank(static_cast<int>((sigma.array() >= threshold && sigma.array() > 0).count()));
+      decision.rank += block.space->rank();
     }
     decision.redundant = model.closures().rows() - decision.rank;
     decision.sigma = decision.rank > 0 ? all[decision.rank - 1] : 0;
@@ -93,16 +90,10 @@ struct ClosureRank<S>::Work {
   }
 
   void select_rows(const Block& block) {
-    const int m = static_cast<int>(block.part.rows.size());
-    if (block.rank == m) {
-      for (const int k : block.part.rows) decision.independent[k] = true;
-      return;
-    }
-    for (const int k : block.part.rows) decision.independent[k] = false;
-    if (block.rank == 0) return;
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(block.G.transpose());
-    for (int r = 0; r < block.rank; ++r)
-      decision.independent[block.part.rows[qr.colsPermutation().indices()[r]]] = true;
+    const bool all = block.redundant() == 0;
+    for (const int k : block.part.rows) decision.independent[k] = all;
+    if (all || block.space->rank() == 0) return;
+    for (const int r : block.space->independent()) decision.independent[block.part.rows[r]] = true;
   }
 
   /// The part of γ̿ outside the range of G, by block.
@@ -113,13 +104,12 @@ struct ClosureRank<S>::Work {
     for (int k = 0; k < jacobian.rows(); ++k) size = std::max(size, bias_size(system, k) * scaling.row[k]);
     std::fill(decision.correction.begin(), decision.correction.end(), 0.0);
     for (const Block& block : blocks) {
-      const int m = static_cast<int>(block.part.rows.size());
-      if (block.rank == m) continue;
-      Eigen::VectorXd gamma(m);
-      for (int r = 0; r < m; ++r) gamma[r] = to_double(bias[block.part.rows[r]]) * scaling.row[block.part.rows[r]];
-      const auto U0 = block.U.rightCols(m - block.rank);
-      const Eigen::VectorXd rest = U0 * (U0.transpose() * gamma);
-      for (int r = 0; r < m; ++r) {
+      if (block.redundant() == 0) continue;
+      Eigen::VectorXd gamma(block.rows());
+      for (int r = 0; r < block.rows(); ++r)
+        gamma[r] = to_double(bias[block.part.rows[r]]) * scaling.row[block.part.rows[r]];
+      const Eigen::VectorXd rest = block.space->outside(gamma);
+      for (int r = 0; r < block.rows(); ++r) {
         const int k = block.part.rows[r];
         decision.correction[k] = -rest[r] / scaling.row[k];
         if (std::abs(rest[r]) > worst) worst = std::abs(rest[r]), decision.worst_row = k;
@@ -186,14 +176,8 @@ struct ClosureRank<S>::Work {
   std::vector<double> kernel_direction(int trial) const {
     Eigen::VectorXd xi(model.nv());
     for (int k = 0; k < model.nv(); ++k) xi[k] = std::sin(1.0 + 0.7 * k * k + 2.3 * trial * (k + 1));  // any will do
-    for (const Block& block : blocks) {  // ξ − V_r V_rᵀ ξ with V_r = Gᵀ U_r Σ_r⁻¹
-      Eigen::VectorXd part = xi(block.part.columns);
-      const auto U = block.U.leftCols(block.rank);
-      const Eigen::VectorXd inverse = block.sigma.head(block.rank).cwiseInverse().cwiseAbs2();
-      for (int twice = 0; twice < 2; ++twice)
-        part -= block.G.transpose() * (U * inverse.cwiseProduct(U.transpose() * (block.G * part)));
-      xi(block.part.columns) = part;
-    }
+    for (const Block& block : blocks)
+      xi(block.part.columns) = block.space->in_kernel(Eigen::VectorXd(xi(block.part.columns)));
     if (const double largest = xi.lpNorm<Eigen::Infinity>(); largest > 0) xi /= largest;
     std::vector<double> v(model.nv());
     for (int k = 0; k < model.nv(); ++k) v[k] = xi[k] * scaling.column[k];
@@ -203,11 +187,10 @@ struct ClosureRank<S>::Work {
   bool leaves_range(const std::vector<double>& rows) const {
     constexpr double rounding = 1e-6;
     for (const Block& block : blocks) {
-      const int m = static_cast<int>(block.part.rows.size());
-      if (block.rank == m) continue;
-      Eigen::VectorXd scaled(m);
-      for (int r = 0; r < m; ++r) scaled[r] = rows[block.part.rows[r]] * scaling.row[block.part.rows[r]];
-      if ((block.U.rightCols(m - block.rank).transpose() * scaled).lpNorm<Eigen::Infinity>() > rounding) return true;
+      if (block.redundant() == 0) continue;
+      Eigen::VectorXd scaled(block.rows());
+      for (int r = 0; r < block.rows(); ++r) scaled[r] = rows[block.part.rows[r]] * scaling.row[block.part.rows[r]];
+      if (block.space->outside(scaled).norm() > rounding) return true;
     }
     return false;
   }
@@ -224,7 +207,7 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   ClosureDecision& decision = work.decision;
   decision.worst_row = -1;
   work.jacobian.evaluate(system);
-  for (Block& block : work.blocks) work.fill(block), work.decompose(block);
+  for (Block& block : work.blocks) work.decompose(block);
   work.choose_rank(policy);
   for (const Block& block : work.blocks) work.select_rows(block);
   work.split_bias(system);
@@ -239,18 +222,19 @@ const ClosureDecision& ClosureRank<S>::decision() const {
 
 template <class S>
 void ClosureRank<S>::minimum_norm(std::vector<S>& lambda) const {
+  const std::vector<double>& scale = work_->scaling.row;
   for (const Block& block : work_->blocks) {
-    const int m = static_cast<int>(block.part.rows.size());
-    if (block.rank == m) continue;
-    const std::vector<double>& scale = work_->scaling.row;
-    std::vector<S> scaled(m), result(m, S(0.0));
-    for (int r = 0; r < m; ++r) scaled[r] = lambda[block.part.rows[r]] / S(scale[block.part.rows[r]]);
-    for (int c = 0; c < block.rank; ++c) {
-      S along(0.0);
-      for (int r = 0; r < m; ++r) along += S(block.U(r, c)) * scaled[r];
-      for (int r = 0; r < m; ++r) result[r] += S(block.U(r, c)) * along;
+    if (block.redundant() == 0) continue;
+    Eigen::VectorXd scaled(block.rows());
+    for (int r = 0; r < block.rows(); ++r) {
+      const int k = block.part.rows[r];
+      scaled[r] = to_double(lambda[k]) / scale[k];
     }
-    for (int r = 0; r < m; ++r) lambda[block.part.rows[r]] = result[r] * S(scale[block.part.rows[r]]);
+    const Eigen::VectorXd rest = block.space->outside(scaled);
+    for (int r = 0; r < block.rows(); ++r) {
+      const int k = block.part.rows[r];
+      lambda[k] -= S(rest[r] * scale[k]);
+    }
   }
 }
 

@@ -27,8 +27,8 @@ ClosureDecomposition decompose_closures(const System<double>& system, int rank) 
     result.V.setIdentity(nv, nv);
     return result;
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(G, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  result.U = svd.matrixU(), result.V = svd.matrixV(), result.sigma = svd.singularValues();
+  SingularValues svd = singular_values(G, SingularVectors::full);
+  result.U = std::move(svd.U), result.V = std::move(svd.V), result.sigma = std::move(svd.sigma);
   const double zero = zero_singular_value * std::max(1.0, result.sigma[0]);
   result.rank = rank >= 0 ? rank : static_cast<int>((result.sigma.array() > zero).count());
   return result;

@@ -225,6 +225,8 @@ double Formulation<S>::refine(const System<S>& system, Solution<S>& solution) {
   Solution<S>& correction = refinement_->correction;
   residual(system, consistent(system), solution, refinement_->residual);
   substitute(system, refinement_->residual, correction);
+  // before it is measured: what a formulation leaves in λ along redundant rows is no error
+  settle_reactions(system, refinement_->residual, correction);
   judgement::Sizes size(model_, solution);
   size.include_loads(system);
   for (int k = 0; k < model_.nv(); ++k) solution.vdot[k] += correction.vdot[k];
@@ -233,7 +235,6 @@ double Formulation<S>::refine(const System<S>& system, Solution<S>& solution) {
     solution.wrench[i] += correction.wrench[i];
   }
   for (std::size_t k = 0; k < solution.lambda.size(); ++k) solution.lambda[k] += correction.lambda[k];
-  settle_reactions(system, consistent(system), solution);
   drive_forces(system, solution);
   return judgement::relative(judgement::Sizes(model_, correction), size);
 }

@@ -6,6 +6,15 @@
 #include "lib/system/equations.h"
 
 namespace lanc {
+namespace {
+
+/// Packs and dual numbers solve trees: which conditions count, and Cholesky's pivots, are decided by comparison.
+template <class S>
+constexpr bool closes_loops = requires(S a) {
+  a < a;
+};
+
+}  // namespace
 
 template <class S>
 TreeFormulation<S>::TreeFormulation(const Model& model) : Formulation<S>(model) {
@@ -20,7 +29,8 @@ template <class S>
 Outcome TreeFormulation<S>::factorise(const System<S>& system) {
   Outcome outcome = factorise_tree(system);
   if (!outcome.usable() || !this->model().has_closures()) return outcome;
-  return factorise_closures(system);
+  if constexpr (closes_loops<S>) return factorise_closures(system);
+  return {Status::objection, "closed loops need a scalar that can be compared"};
 }
 
 template <class S>
@@ -57,7 +67,12 @@ void TreeFormulation<S>::substitute(const System<S>& system, const RightHandSide
   const bool closed = this->model().has_closures();
   if (closed) std::fill(solution.lambda.begin(), solution.lambda.end(), S(0.0));  // the tree knows of no multipliers
   substitute_tree(system, rhs, solution);
-  if (!closed) return;
+  if constexpr (closes_loops<S>)
+    if (closed) close(system, rhs, solution);
+}
+
+template <class S>
+void TreeFormulation<S>::close(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   closure_accelerations(system, rhs, solution, closure_);  // of the open loops
   for (std::size_t k = 0; k < rows_.size(); ++k) lambda_[k] = -closure_[rows_[k]];
   auto lambda = lambda_.head(rows_.size());

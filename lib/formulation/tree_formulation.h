@@ -28,6 +28,8 @@ class TreeFormulation : public Formulation<S> {
  private:
   using Matrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
   Outcome factorise_closures(const System<S>& system);
+  /// λ from what the open loops do, and the tree once more under it.
+  void close(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
 
   std::vector<int> rows_;  // the independent closure rows
   Matrix schur_;           // G M̄⁻¹ Gᵀ of these rows, then its Cholesky factor

@@ -1,5 +1,7 @@
 #include "lib/io/four_bars.h"
 
+#include <numbers>
+
 namespace lanc {
 namespace {
 
@@ -46,18 +48,24 @@ struct Assembly {
   void upright(const std::string& name, const std::string& parent, double x) {
     add(rod(name, Eigen::Vector3d::UnitZ()), parent, {x, 0, 0}, 1);
   }
-  /// The upright that closes a loop: whole, or a lower half with the upper half hanging on the coupler.
-  void closing_upright(const std::string& name, const std::string& parent, double x, const std::string& coupler) {
+  /// A point or a hinge, as the options say.
+  ClosureSpec joint_closure(const std::string& name) const {
+    const bool is_hinge = options.cut == FourBarOptions::Cut::hinge;
     ClosureSpec closure;
+    closure.name = name;
+    closure.kind = *find_closure_kind(is_hinge ? "revolute" : "point-on-point");
+    if (is_hinge) closure.axis = Eigen::Vector3d::UnitY();
+    return closure;
+  }
+  /// The upright that closes a loop: whole, or a lower half with the upper half hanging on the coupler at `along`.
+  void closing_upright(const std::string& name, const std::string& parent, double x, const std::string& coupler,
+                       double along = 1) {
+    ClosureSpec closure = joint_closure("close_" + name);
     closure.body_a = coupler;
-    closure.name = "close_" + name;
     if (options.cut != FourBarOptions::Cut::weld) {
       upright(name, parent, x);
-      const bool is_hinge = options.cut == FourBarOptions::Cut::hinge;
-      closure.kind = *find_closure_kind(is_hinge ? "revolute" : "point-on-point");
-      if (is_hinge) closure.axis = Eigen::Vector3d::UnitY();
       closure.body_b = name;
-      closure.frame_a.position = Eigen::Vector3d::UnitX();
+      closure.frame_a.position = along * Eigen::Vector3d::UnitX();
       closure.frame_b.position = Eigen::Vector3d::UnitZ();
     } else {
       const Eigen::Vector3d half = Eigen::Vector3d::UnitZ() / 2;
@@ -65,8 +73,9 @@ struct Assembly {
       lower.mass = upper.mass = 0.5;
       lower.inertia /= 2, upper.inertia /= 2;
       add(lower, parent, {x, 0, 0}, 1);
-      add(upper, coupler, Eigen::Vector3d::UnitX(), 1);
+      add(upper, coupler, along * Eigen::Vector3d::UnitX(), 1);
       closure.kind = *find_closure_kind("fixed");
+      closure.axis.reset();
       closure.body_a = name;
       closure.body_b = upper.name;
       closure.frame_a.position = half;
@@ -74,8 +83,8 @@ struct Assembly {
     }
     spec.closures.push_back(closure);
   }
-  void coupler(const std::string& name, const std::string& upright) {
-    add(rod(name, Eigen::Vector3d::UnitX()), upright, Eigen::Vector3d::UnitZ(), -1);
+  void coupler(const std::string& name, const std::string& upright, double length = 1) {
+    add(rod(name, length * Eigen::Vector3d::UnitX()), upright, Eigen::Vector3d::UnitZ(), -1);
   }
   Mechanism mechanism() {
     // Model::build keeps the order: parents come before children here
@@ -106,6 +115,48 @@ Mechanism four_bar_chain(const FourBarOptions& options, const std::string& name)
     a.closing_upright("r" + number, base, 1, coupler);
     base = coupler;
   }
+  return a.mechanism();
+}
+
+Mechanism four_bar_nest(const FourBarOptions& options, const std::string& name) {
+  Assembly a(options, name);
+  a.upright("u0", "", 0);
+  a.coupler("coupler", "u0", options.loops);
+  for (int i = 1; i <= options.loops; ++i) a.closing_upright("u" + std::to_string(i), "", i, "coupler", i);
+  return a.mechanism();
+}
+
+Mechanism polygon(const FourBarOptions& options, const std::string& name) {
+  const int n = options.loops;
+  if (n < 2) throw InputError("a polygon needs 2 rods at least; its ground is one more side");
+  FourBarOptions turning = options;
+  turning.angle = 2 * std::numbers::pi / (n + 1), turning.rate = 0;
+  Assembly a(turning, name);
+  const bool weld = options.cut == FourBarOptions::Cut::weld;
+  std::string parent;
+  const Eigen::Vector3d side = Eigen::Vector3d::UnitX();
+  for (int i = 1; i <= n; ++i) {
+    const std::string rod_name = "b" + std::to_string(i);
+    BodySpec body = rod(rod_name, i == n && weld ? Eigen::Vector3d(side / 2) : side);
+    if (i == n && weld) body.mass /= 2, body.inertia /= 2;
+    a.add(body, parent, side, 1);  // the first corner is the end of the side on the ground
+    parent = rod_name;
+  }
+  ClosureSpec closure = a.joint_closure("close");
+  closure.body_a = parent;
+  if (weld) {
+    BodySpec half = rod("b" + std::to_string(n) + "_end", -side / 2);
+    half.mass /= 2, half.inertia /= 2;
+    a.add(half, "", Eigen::Vector3d::Zero(), -1);
+    closure.kind = *find_closure_kind("fixed");
+    closure.axis.reset();
+    closure.body_b = half.name;
+    closure.frame_a.position = side / 2;
+    closure.frame_b.position = -side / 2;
+  } else {
+    closure.frame_a.position = side;
+  }
+  a.spec.closures.push_back(closure);
   return a.mechanism();
 }
 

@@ -23,6 +23,16 @@ Mechanism four_bar_ladder(const FourBarOptions& options, const std::string& name
 /// N four-bars in series: each stands on the coupler of the one before.
 Mechanism four_bar_chain(const FourBarOptions& options, const std::string& name);
 
+/// N four-bars inside one another: N + 1 uprights on the ground, 1 m apart, under one coupler of N m and 1 kg; every
+/// loop holds the first upright and the coupler. Closed form of the uprights' acceleration: g ((N+1)/2 + 1) sin θ /
+/// ((N+1)/3 + 1), at any speed.
+Mechanism four_bar_nest(const FourBarOptions& options, const std::string& name);
+
+/// One loop of N rods of 1 m and 1 kg (N ≥ 2), all sides but one of a regular polygon of N + 1 whose side on the ground
+/// points along x; at rest. Cut at its last corner by a point or a hinge, or by a weld in the middle of the last side.
+/// The angle of the options is not used. N − 2 freedoms.
+Mechanism polygon(const FourBarOptions& options, const std::string& name);
+
 /// One four-bar in the x-y plane, the ground link vertical: crank a, coupler b, rocker c, ground d. Joints beta1
 /// (crank, at the origin), beta2 (coupler on crank), beta3 (rocker, at (0, d)); cut between coupler and rocker by a
 /// point in the plane (rows x, y) or by a hinge (5 rows, 3 redundant). beta1 counts from +x, beta3 from −y. Rods of 1

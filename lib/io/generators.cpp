@@ -39,6 +39,10 @@ constexpr GeneratorInfo table[] = {
      "the middle of the uprights (6 rows, 3 redundant)"},
     {"four-bar-chain", "four-bar-chain:N[:angle=A][:rate=R][:cut=point|hinge|weld][:gravity=G]",
      "N four-bars in series, each on the coupler of the one before; options as four-bar-ladder"},
+    {"four-bar-nest", "four-bar-nest:N[:angle=A][:rate=R][:cut=point|hinge|weld][:gravity=G]",
+     "N four-bars inside one another: N + 1 uprights under one coupler of N m; options as four-bar-ladder"},
+    {"polygon", "polygon:N[:cut=point|hinge|weld][:gravity=G]",
+     "one loop of N rods of 1 m and 1 kg: all sides but one of a regular polygon, at rest"},
 };
 
 [[noreturn]] void fail(std::string_view argument, const std::string& what) {
@@ -249,14 +253,19 @@ std::optional<Mechanism> generate(std::string_view argument) {
   if (info == std::end(table)) return std::nullopt;
   Arguments arguments(argument, *info);
   const double gravity = arguments.gravity();
-  if (name.starts_with("four-bar")) {
+  if (name.starts_with("four-bar") || name == "polygon") {
     FourBarOptions options{.loops = arguments.bodies, .gravity = gravity};
-    options.angle = arguments.number("angle", options.angle, "0.7 (rad)");
-    options.rate = arguments.number("rate", options.rate, "1 (rad/s)");
+    if (name != "polygon") {
+      options.angle = arguments.number("angle", options.angle, "0.7 (rad)");
+      options.rate = arguments.number("rate", options.rate, "1 (rad/s)");
+    }
     options.cut = FourBarOptions::Cut(arguments.word("cut", {"point", "hinge", "weld"}));
     arguments.require_all_used();
-    return name == "four-bar-ladder" ? four_bar_ladder(options, std::string(argument))
-                                     : four_bar_chain(options, std::string(argument));
+    const auto make = name == "four-bar-ladder"  ? four_bar_ladder
+                      : name == "four-bar-chain" ? four_bar_chain
+                      : name == "four-bar-nest"  ? four_bar_nest
+                                                 : polygon;
+    return make(options, std::string(argument));
   }
   Draw draw(arguments.seed());
   if (name == "random-loops") {

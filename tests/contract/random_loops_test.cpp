@@ -29,21 +29,6 @@ struct Score {
   std::string worst;
 };
 
-/// Largest difference of reactions in unique components, in N (moments divided by the model's length).
-double reaction_error(const ClosedReference& reference, const Solution<double>& solution, const Model& model) {
-  double worst = 0;
-  for (int i = 0; i < model.bodies(); ++i) {
-    const Wrench<double>& f = solution.wrench[i];
-    const Wrench<long double>& h = reference.solution.wrench[i];
-    const long double parts[] = {f.moment.x - h.moment.x, f.moment.y - h.moment.y, f.moment.z - h.moment.z,
-                                 f.force.x - h.force.x,   f.force.y - h.force.y,   f.force.z - h.force.z};
-    for (int c = 0; c < 6; ++c)
-      if (reference.unique[i][c])
-        worst = std::max(worst, static_cast<double>(std::abs(parts[c])) / (c < 3 ? model.length() : 1));
-  }
-  return worst;
-}
-
 TEST(RandomLoops, all_formulations_agree_on_500_random_closed_mechanisms_to_1e_8) {
   const char* causes[] = {"any", "parallel", "bennett", "none", "any", "duplicate", "any"};
   std::map<std::string, int> histogram;

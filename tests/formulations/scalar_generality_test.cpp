@@ -2,11 +2,13 @@
 // nothing but + − × ÷ sin cos sqrt compiles only as long as they compare nothing and call no decomposition.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <type_traits>
 
 #include "formulations/composite/composite.h"
 #include "formulations/recursive/recursive.h"
-#include "lib/formulation/formulation.cpp"  // NOLINT: the templates, for one more scalar
+#include "lib/formulation/formulation.cpp"       // NOLINT: the templates, for one more scalar
+#include "lib/formulation/tree_formulation.cpp"  // NOLINT
 #include "lib/io/generators.h"
 #include "lib/system/equations.cpp"  // NOLINT
 #include "lib/system/evaluator.cpp"  // NOLINT
@@ -34,6 +36,22 @@ class Bare {
  private:
   double value_ = 0;
 };
+
+}  // namespace
+
+// The rank of closure conditions is decided on numbers that can be compared; a tree has none.
+template <>
+struct ClosureRank<Bare>::Work {};
+template <>
+ClosureRank<Bare>::ClosureRank(const Model&) {}
+template <>
+ClosureRank<Bare>::~ClosureRank() = default;
+template <>
+const ClosureDecision& ClosureRank<Bare>::decision() const {
+  std::abort();
+}
+
+namespace {
 
 template <class Kind>
 Solution<Bare> solve_bare(const Mechanism& mechanism) {

@@ -1,6 +1,7 @@
 #include "tests/support/body_motion.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 

@@ -21,4 +21,7 @@ struct ClosedReference {
 /// Cubic in long double: up to some hundred velocities.
 ClosedReference solve_closed_naively(const System<long double>& system);
 
+/// Largest difference of reactions in unique components, in N (moments divided by the model's length).
+double reaction_error(const ClosedReference& reference, const Solution<double>& solution, const Model& model);
+
 }  // namespace lanc::test
