@@ -16,8 +16,8 @@ install(FILES ${PROJECT_BINARY_DIR}/lancConfig.cmake ${PROJECT_BINARY_DIR}/lancC
 # Headers that include anything but the standard library, Eigen and each other are the library's own affair.
 file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/lib/*.h)
 foreach(header IN LISTS headers)
-  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} foreign REGEX "^#include <([^E][^>]*[/.]|E[^i])")
-  if(NOT foreign)
+  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} private REGEX "^#include <([^E][^>]*[/.]|E[^i])|^// .*Private to ")
+  if(NOT private)
     get_filename_component(folder ${header} DIRECTORY)
     install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lanc/${folder})
   endif()

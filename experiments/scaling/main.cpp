@@ -193,10 +193,10 @@ int main(int argc, char** argv) {
                          .models = default_models});
   double time_limit = 0, memory_share = 0.6;
   experiment.option("--time-limit", time_limit, {0, std::numeric_limits<double>::infinity()},
-                    "seconds a formulation may take on one model; 0: 60, or 2 with --quick");
+                    "seconds a formulation may take on one model; 0: 60, or 0.5 with --quick");
   experiment.option("--memory-share", memory_share, {0, 1}, "of the memory now available that a formulation may take");
   return experiment.run(argc, argv, [&](Experiment& e) {
-    Scaling(e, time_limit > 0 ? time_limit : e.options().quick ? 2 : 60, memory_share).run();
+    Scaling(e, time_limit > 0 ? time_limit : e.options().quick ? 0.5 : 60, memory_share).run();
     e.progress().clear();
     std::FILE* out = e.options().out == "-" ? stderr : stdout;
     print_table(out, e.report().rows());

@@ -1,4 +1,5 @@
 // What the rows of G span: its rank, a well-conditioned set of rows, and projections on its range and kernel.
+// Private to lib/closure.
 #pragma once
 
 #include <Eigen/Core>

@@ -36,7 +36,7 @@ TEST(Motion, of_every_kind_has_the_derivatives_of_its_position) {
 TEST(Motion, positions_are_what_their_names_say) {
   const double t = 0.7;
   EXPECT_DOUBLE_EQ(PrescribedMotion::create(ConstantSpeed{1, -2})->at(t).position, 1 - 2 * t);
-  EXPECT_DOUBLE_EQ(PrescribedMotion::create(Polynomial{{1, -2, 0.5}})->at(t).position, 1 - 2 * t + 0.5 * t * t);
+  EXPECT_NEAR(PrescribedMotion::create(Polynomial{{1, -2, 0.5}})->at(t).position, 1 - 2 * t + 0.5 * t * t, 1e-15);
   EXPECT_DOUBLE_EQ(PrescribedMotion::create(Sine{0.3, 2, 1.7, 0.4})->at(t).position, 0.3 + 2 * std::sin(1.7 * t + 0.4));
 }
 

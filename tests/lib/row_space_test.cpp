@@ -42,10 +42,8 @@ void expect_alike(const std::string& name, const Eigen::SparseMatrix<double>& Gt
   ASSERT_EQ(by(*sparse), rank);
   dense->set_rank(rank), sparse->set_rank(rank);
   EXPECT_NEAR(sparse->sigma()[0], dense->sigma()[0], 0.3 * dense->sigma()[0]);
-  if (rank > 0) {
-    EXPECT_GE(sparse->sigma()[rank - 1], dense->sigma()[rank - 1] * (1 - 1e-6)) << "inverse iteration stays above";
-    EXPECT_LE(sparse->sigma()[rank - 1], 20 * dense->sigma()[rank - 1]);
-  }
+  if (rank > 0)
+    EXPECT_LE(sparse->sigma()[rank - 1], 2 * dense->sigma()[rank - 1]) << "of a part of the rows only, from above";
   Eigen::VectorXd x(Gt.cols()), xi(Gt.rows());
   for (Eigen::Index k = 0; k < x.size(); ++k) x[k] = std::sin(3.0 * static_cast<double>(k) + 1);
   for (Eigen::Index k = 0; k < xi.size(); ++k) xi[k] = std::cos(5.0 * static_cast<double>(k) + 2);
@@ -59,7 +57,10 @@ void expect_alike(const std::string& name, const Eigen::SparseMatrix<double>& Gt
   for (int k = 0; k < rank; ++k) chosen.col(k) = Gt.col(rows[k]);
   const auto alone = RowSpace::create_dense();
   alone->decompose(chosen.sparseView());
-  if (rank > 0) EXPECT_GT(alone->sigma()[rank - 1], 1e-3 * dense->sigma()[rank - 1]);
+  if (rank == 0) return;
+  EXPECT_GT(alone->sigma()[rank - 1], 1e-3 * dense->sigma()[rank - 1]);
+  EXPECT_GE(sparse->sigma()[rank - 1], alone->sigma()[rank - 1] * (1 - 1e-6)) << "inverse iteration comes from above";
+  EXPECT_LE(sparse->sigma()[rank - 1], 2 * alone->sigma()[rank - 1]);
 }
 
 TEST(RowSpace, sparse_and_dense_agree_on_loops_of_all_kinds) {

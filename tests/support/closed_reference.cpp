@@ -20,19 +20,21 @@ Vector six(const Wrench<Real>& f) {
   return x;
 }
 
-/// G and γ̿ in joint coordinates, straight from their definition.
-void closure_rows(const System<Real>& system, const ReducedSystem& reduced, Matrix& G, Vector& gamma) {
+/// G and γ̿ in joint coordinates, straight from their definition; and the sum of all terms of γ̿ made positive.
+void closure_rows(const System<Real>& system, const ReducedSystem& reduced, Matrix& G, Vector& gamma, Vector& size) {
   const Model& model = system.model;
   const int rows = model.closures().rows();
   G = Matrix::Zero(rows, model.nv());
   gamma.resize(rows);
   for (int k = 0; k < rows; ++k) gamma[k] = system.rhs.closure[k];
+  size = gamma.cwiseAbs();
   for (const Closure& c : model.closures().closures)
     for (int k = c.row; k < c.row + c.conditions().count; ++k) {
       const auto side = [&](int body, const Wrench<Real>& row) {
         if (body == ground) return;
         G.row(k) += six(row).transpose() * reduced.J.middleRows(6 * body, 6);
         gamma[k] += six(row).dot(reduced.bias.segment(6 * body, 6));
+        size[k] += six(row).cwiseAbs().dot(reduced.bias.segment(6 * body, 6).cwiseAbs());
       };
       side(c.body_a, system.closure_rows[k].a), side(c.body_b, system.closure_rows[k].b);
     }
@@ -58,8 +60,8 @@ ClosedReference solve_closed_naively(const System<Real>& system) {
   const int nv = model.nv(), rows = model.closures().rows();
   const ReducedSystem reduced = reduce_naively(system);
   Matrix G;
-  Vector gamma;
-  closure_rows(system, reduced, G, gamma);
+  Vector gamma, gamma_size;
+  closure_rows(system, reduced, G, gamma, gamma_size);
   // Rows that are lengths and velocities that are lengths in units of the model's (design: README, Decisions)
   Vector R(rows), C(nv);
   for (int k = 0; k < nv; ++k) C[k] = model.column_kind(k) == ColumnKind::translation ? model.length() : 1;
@@ -78,7 +80,7 @@ ClosedReference solve_closed_naively(const System<Real>& system) {
   const Matrix U = svd.matrixU().leftCols(r), V = svd.matrixV().leftCols(r), U0 = svd.matrixU().rightCols(rows - r),
                Z = C.asDiagonal() * svd.matrixV().rightCols(nv - r);
   const Vector inverse = sigma.head(r).cwiseInverse(), scaled_gamma = R.asDiagonal() * gamma;
-  if (const Real size = scaled_gamma.cwiseAbs().maxCoeff(); U0.cols() > 0 && size > 0)
+  if (const Real size = (R.asDiagonal() * gamma_size).maxCoeff(); U0.cols() > 0 && size > 0)
     result.contradiction = static_cast<double>((U0.transpose() * scaled_gamma).cwiseAbs().maxCoeff() / size);
 
   Vector vdot = -(C.asDiagonal() * (V * (inverse.asDiagonal() * (U.transpose() * scaled_gamma))));
