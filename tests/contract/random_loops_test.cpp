@@ -15,6 +15,7 @@
 #include "lib/io/mechanism.h"
 #include "lib/system/evaluator.h"
 #include "tests/support/closed_reference.h"
+#include "tests/support/effort.h"
 #include "tests/support/tolerance.h"
 
 namespace lanc::test {
@@ -34,7 +35,7 @@ TEST(RandomLoops, all_formulations_agree_on_500_random_closed_mechanisms_to_1e_8
   std::map<std::string, int> histogram;
   std::map<std::string, Score> scores;
   int rejected = 0, duplicates = 0;
-  for (int accepted = 0, seed = 1; accepted < mechanisms; ++seed) {
+  for (int accepted = 0, seed = 1; accepted < cases(mechanisms); ++seed) {
     ASSERT_LT(rejected, mechanisms) << "too many are ill-conditioned";
     const int loops = 1 + seed % most_loops;
     const std::string name =
@@ -94,10 +95,10 @@ TEST(RandomLoops, all_formulations_agree_on_500_random_closed_mechanisms_to_1e_8
       EXPECT_TRUE(within_relative(std::string(info.name) + " on " + name + ": reactions", reaction, required, 1));
     }
   }
-  std::printf("%d mechanisms, %d rejected for their condition; each feature occurs in\n", mechanisms, rejected);
+  std::printf("%d mechanisms, %d rejected for their condition; each feature occurs in\n", cases(mechanisms), rejected);
   for (const auto& [what, count] : histogram) {
     std::printf("  %5d  %s\n", count, what.c_str());
-    EXPECT_GE(count, 30) << what << " is too rare to be tested";
+    EXPECT_GE(count, cases(30)) << what << " is too rare to be tested";
   }
   EXPECT_LE(5 * duplicates, mechanisms) << "too many duplicates";
   std::printf("%-16s %8s %8s   worst relative error of vdot, acceleration, unique reactions\n", "formulation", "solved",

@@ -17,6 +17,7 @@
 
 #include "lib/formulation/formulation.h"
 #include "lib/system/evaluator.h"
+#include "tests/support/effort.h"
 #include "tests/support/naive.h"
 #include "tests/support/tolerance.h"
 
@@ -94,7 +95,7 @@ TEST(RandomTrees, all_formulations_without_objection_agree_on_1000_random_trees_
   Histogram histogram;
   std::map<std::string, Score> scores;
   double worst_oracle = 0;
-  for (int tree = 0; tree < trees; ++tree) {
+  for (int tree = 0; tree < cases(trees); ++tree) {
     const Case c = random_case(1000 + tree, 1 + tree % largest_tree);
     histogram.add(c.model);
     const System<long double> wide = system_in_long_double(c);
@@ -128,8 +129,10 @@ TEST(RandomTrees, all_formulations_without_objection_agree_on_1000_random_trees_
       EXPECT_TRUE(within_relative(std::string(info.name) + " on " + c.name, e.worst(), required, 1));
     }
   }
-  std::printf("trees in which each feature occurs, of %d:\n", trees);
-  histogram.print_and_check();
+  if (cases(trees) == trees) {
+    std::printf("trees in which each feature occurs, of %d:\n", trees);
+    histogram.print_and_check();
+  }
   std::printf("the two oracles differ by at most %.1e\n", worst_oracle);
   EXPECT_LT(worst_oracle, 1e-3 * required);
   std::printf("%-16s %8s %8s   worst relative error of vdot, acceleration, wrench, drive force\n", "formulation",

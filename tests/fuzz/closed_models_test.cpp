@@ -1,15 +1,16 @@
 // Random closed models, whole and damaged: scripts/fuzz runs a hundred times as many.
 #include <gtest/gtest.h>
 
+#include "tests/support/effort.h"
 #include "tests/support/fuzzed_loops.h"
 
 namespace lanc::test {
 namespace {
 
 TEST(FuzzClosedModels, no_answer_to_a_thousand_is_wrong) {
-  constexpr int models = 1000;
+  const int models = cases(1000);
   FuzzTally tally;
-  for (std::uint64_t seed = 1; seed <= models; ++seed) judge_fuzzed_loops(seed, tally);
+  for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(models); ++seed) judge_fuzzed_loops(seed, tally);
   for (const std::string& line : tally.wrong) ADD_FAILURE() << line;
   for (const auto& [what, times] : tally.statuses) std::printf("%6d  %s\n", times, what.c_str());
   std::printf("%d of %d refused as models; worst error of an answer %.1e\n", tally.refused, models, tally.worst);

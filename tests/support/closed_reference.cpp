@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <array>
 #include <cmath>
@@ -53,6 +55,32 @@ double equilibrated_condition(const Matrix& A) {
   return e[0] > 0 ? static_cast<double>(e[e.size() - 1] / e[0]) : infinite;
 }
 
+/// η̇ and λ of M̄ η̇ − Gᵀλ = b, Gη̇ = −γ̿ with independent rows of G, by LU with full pivoting: where inertias differ by
+/// more than the digits of long double, a basis of the kernel of G mixes them and this does not. False: singular.
+bool solve_graded(const ReducedSystem& reduced, const Matrix& G, const Vector& gamma, Vector& vdot, Vector& lambda) {
+  const Eigen::Index nv = G.cols(), r = G.rows();
+  Matrix K = Matrix::Zero(nv + r, nv + r);
+  K.topLeftCorner(nv, nv) = reduced.H;
+  K.topRightCorner(nv, r) = -G.transpose();
+  K.bottomLeftCorner(r, nv) = G;
+  Vector b(nv + r);
+  b << reduced.b, -gamma;
+  Eigen::FullPivLU<Matrix> lu(K);
+  lu.setThreshold(0);
+  if (!lu.isInvertible()) return false;
+  Vector x = lu.solve(b);
+  x += lu.solve(b - K * x);
+  vdot = x.head(nv), lambda = x.tail(r);
+  return true;
+}
+
+/// Numbers of `rank` rows that are far from dependent.
+std::vector<int> independent_rows(const Matrix& G, int rank) {
+  const Eigen::ColPivHouseholderQR<Matrix> qr(G.transpose());
+  const auto& order = qr.colsPermutation().indices();
+  return {order.data(), order.data() + rank};
+}
+
 }  // namespace
 
 ClosedReference solve_closed_naively(const System<Real>& system) {
@@ -88,7 +116,20 @@ ClosedReference solve_closed_naively(const System<Real>& system) {
   result.kernel_condition = equilibrated_condition(ZHZ);
   if (Z.cols() > 0) vdot += Z * Eigen::LDLT<Matrix>(ZHZ).solve(Z.transpose() * (reduced.b - reduced.H * vdot));
   const Vector excess = C.asDiagonal() * (reduced.H * vdot - reduced.b);  // G_sᵀ λ_s
-  const Vector lambda = R.asDiagonal() * (U * (inverse.asDiagonal() * (V.transpose() * excess)));
+  Vector lambda = R.asDiagonal() * (U * (inverse.asDiagonal() * (V.transpose() * excess)));
+  constexpr double graded = 1e12, unknown = 1e19;
+  if (!(result.kernel_condition < graded)) {
+    const std::vector<int> rows_used = independent_rows(Gs, r);
+    Vector some = Vector::Zero(r);
+    if (solve_graded(reduced, G(rows_used, Eigen::all), gamma(rows_used), vdot, some)) {
+      result.kernel_condition = std::min(result.kernel_condition, unknown);
+      Vector scaled = Vector::Zero(rows);
+      for (int k = 0; k < r; ++k) scaled[rows_used[k]] = some[k] / R[rows_used[k]];
+      lambda = R.asDiagonal() * (U * (U.transpose() * scaled));
+    } else {
+      result.kernel_condition = std::numeric_limits<double>::infinity();
+    }
+  }
   result.solution = complete_naively(system, reduced, vdot, lambda);
 
   const Eigen::LLT<Matrix> cholesky(reduced.H);

@@ -11,7 +11,7 @@ struct ClosedReference {
   int rank = 0;
   double sigma = 0, next_sigma = 0;  // σ_r and σ_{r+1} of the scaled G
   double contradiction = 0;          // largest scaled part of γ̿ outside the range of G, relative to its terms
-  double kernel_condition = 1;       // of Zᵀ H Z, equilibrated; infinite: no unique answer
+  double kernel_condition = 1;       // of Zᵀ H Z, equilibrated; infinite: no unique answer; at most 1e19 otherwise
   double schur_condition = 1;  // of the equilibrated G H⁻¹ Gᵀ of the conditions that count; infinite: H singular
   /// Components of f̂ that no self-stress changes, per body; rows likewise.
   std::vector<std::array<bool, 6>> unique;

@@ -25,9 +25,9 @@ struct FuzzTally {
 };
 
 /// Draws, solves by every formulation, and judges by singular values in long double (tests/support/closed_reference.h):
-/// every answer with status `solved` or `redundant` must be right to 1e-6, or to 1e-17 times the condition of the
-/// problem; such a status where the state violates conditions, conditions contradict one another, or the answer is not
-/// unique is wrong, too.
+/// every answer with status `solved` or `redundant` must be right to 1e-6, or, where rounding
+/// its data already changes it by more, to that and 1e-4; such a status where the state violates
+/// conditions, conditions contradict one another, or the answer is not unique is wrong, too.
 void judge_fuzzed_loops(std::uint64_t seed, FuzzTally& tally);
 
 }  // namespace lanc::test
