@@ -157,16 +157,23 @@ void RegularisedFormulation<S>::substitute_closed(const Vector& b, const Vector&
   const double inertia = std::max(to_double(M.diagonal().maxCoeff()), std::numeric_limits<double>::min());
   const double rounding = to_double(Eigen::NumTraits<S>::epsilon()) * std::sqrt(static_cast<double>(b.size()));
   vdot.setConstant(S(0.0));
+  // A step repeats the momentum balance, too: it has come to its rounding errors when it changes nothing, or no less
+  // than the step before.
+  bool settled = false;
+  double last = std::numeric_limits<double>::infinity();
   for (steps_ = 0; steps_ < most_steps; ++steps_) {
     q_ = -gamma - G * vdot;
     keep_in_range(q_);
     // what its rounding errors come from; loads that balance leave accelerations of rounding errors alone
     const double size = rows * std::max(largest(vdot), largest(b) / inertia) + largest(gamma);
-    if (steps_ > 0 && !(largest(q_) > rounding * size)) break;
+    if (settled && !(largest(q_) > rounding * size)) break;
     p_ = b - M * vdot + G.transpose() * lambda;
     step(p_, q_, x_, l_);
     vdot += x_;
     lambda += l_;
+    const double change = largest(x_);
+    settled = !(change > rounding * largest(vdot)) || !(change < last / 2);
+    last = change;
   }
   keep_in_range(lambda);
 }
