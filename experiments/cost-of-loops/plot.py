@@ -3,67 +3,71 @@
 
 plot.py CSV [--out-dir DIR] writes an SVG and a PDF named after the CSV.
 """
-import argparse
 import collections
-import csv
 import pathlib
 import re
+import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import figures
 import matplotlib.pyplot as plt
 
-STYLES = [("#000000", "-", "o"), ("#d55e00", "--", "s"), ("#0072b2", "-.", "^"), ("#009e73", ":", "D"),
-          ("#cc79a7", (0, (5, 1)), "v"), ("#56b4e9", (0, (3, 1, 1, 1)), "P"), ("#e69f00", (0, (1, 1)), "X"),
-          ("#7f7f7f", (0, (7, 2)), "*")]
-PANELS = [("time", 1e6, "time of one evaluation, µs"), ("flops", 1.0, "operations")]
+PANELS = [("time", 1e6, "time of one evaluation without\nthe decision on the rank, µs"), ("flops", 1.0, "operations")]
+RANK = "rank decision, the same for all"
+
+
+def read(path):
+    """{kind of model: {(metric, formulation): {size: value}}}; times without the decision on the rank."""
+    values = collections.defaultdict(dict)  # by model, formulation and metric: phases
+    for row in figures.rows(path):
+        if row["value"] and row["metric"] in ("time", "flops"):
+            values[row["model"], row["formulation"], row["metric"]][row["phase"]] = float(row["value"])
+    data = collections.defaultdict(lambda: collections.defaultdict(dict))
+    for (model, formulation, metric), phases in values.items():
+        size = re.match(r"^([^:]+):(\d+)(.*)$", model)
+        if not size or "total" not in phases:
+            continue
+        curves, number = data[size[1] + size[3]], int(size[2])
+        rank = phases.pop("rank", 0.0) if metric == "time" else 0.0
+        total = phases.pop("total")  # the sum of the others, but for the scatter of medians
+        curves[metric, formulation][number] = sum(phases.values()) if metric == "time" else total
+        if rank:
+            fastest = curves[metric, RANK].get(number, rank)
+            curves[metric, RANK][number] = min(rank, fastest)
+    return data
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("csv", type=pathlib.Path)
-    parser.add_argument("--out-dir", type=pathlib.Path, help="default: beside the CSV")
-    arguments = parser.parse_args()
-    out = (arguments.out_dir or arguments.csv.parent) / arguments.csv.stem
-    out.parent.mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update({"font.size": 9, "svg.hashsalt": "lanc", "pdf.fonttype": 42})
-
-    data = collections.defaultdict(lambda: collections.defaultdict(dict))
-    with open(arguments.csv, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            size = re.match(r"^([^:]+):(\d+)(.*)$", row["model"])
-            if size and row["phase"] == "total" and row["value"]:
-                key = row["metric"], row["formulation"]
-                data[size[1] + size[3]][key][int(size[2])] = float(row["value"])
+    path, out = figures.begin(__doc__)
+    data = read(path)
     if not data:
         return
-    names = sorted({name for curves in data.values() for _, name in curves})
-    styles = {name: STYLES[i % len(STYLES)] for i, name in enumerate(names)}
-    fig, grid = plt.subplots(len(PANELS), len(data), figsize=(3.2 * len(data) + 0.8, 6.4), sharex="col", sharey="row",
+    names = figures.order({name for curves in data.values() for _, name in curves} - {RANK})
+    styles = figures.styles(names)
+    fig, grid = plt.subplots(len(PANELS), len(data), figsize=(2.6 * len(data) + 0.8, 6.6), sharex="col", sharey="row",
                              squeeze=False)
     handles = {}
     for column, (kind, curves) in enumerate(data.items()):
         for line, (metric, scale, label) in enumerate(PANELS):
             axes = grid[line][column]
-            for name in names:
+            for name in names + [RANK]:
                 series = sorted(curves.get((metric, name), {}).items())
                 if series:
-                    colour, style, marker = styles[name]
+                    colour, style, marker = styles.get(name, ("0.75", "-", ""))
                     handles[name] = axes.plot([n for n, _ in series], [v * scale for _, v in series], color=colour,
-                                              linestyle=style, marker=marker, markersize=3.5, linewidth=1.1,
-                                              label=name)[0]
+                                              linestyle=style, marker=marker, markersize=3.5,
+                                              linewidth=4 if name == RANK else 1.1, zorder=1 if name == RANK else 2)[0]
             axes.set_xscale("log")
             axes.set_yscale("log")
-            axes.grid(alpha=0.3, which="both", linewidth=0.4)
+            axes.grid(True, which="major", color="0.88", linewidth=0.6)
             if column == 0:
                 axes.set_ylabel(label)
         grid[0][column].set_title(kind, fontsize=9)
-        grid[-1][column].set_xlabel("loops")
-    fig.legend(handles.values(), handles.keys(), loc="upper center", ncols=min(7, len(handles)), fontsize=8, frameon=False)
-    fig.tight_layout(rect=(0, 0, 1, 0.9))
-    for suffix in ("svg", "pdf"):
-        fig.savefig(f"{out}.{suffix}", metadata={"Date": None} if suffix == "svg" else {"CreationDate": None})
+        grid[-1][column].set_xlabel("rods in one loop" if kind.startswith("polygon") else "loops")
+    shown = [name for name in names + [RANK] if name in handles]
+    fig.legend([handles[n] for n in shown], shown, loc="lower center", ncols=5, fontsize=8, frameon=False)
+    fig.tight_layout(rect=(0, 0.1, 1, 1))
+    figures.save(fig, out)
 
 
 if __name__ == "__main__":

@@ -5,24 +5,18 @@ plot.py CSV [--out-dir DIR] writes crossover.svg/.pdf (revolute joints: operatio
 crossover-joints and -shapes (spherical and free joints), crossover-published (beside counts of the literature) and
 crossover-phases (where the time goes), named after the CSV.
 """
-import argparse
 import collections
-import csv
 import pathlib
 import re
 import statistics
+import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import figures
 import matplotlib.lines
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullFormatter, ScalarFormatter
 
-# Dark to light, each with a line style and a marker of its own, so that grey prints tell them apart.
-STYLES = [("#000000", "-", "o"), ("#d55e00", "--", "s"), ("#0072b2", "-.", "^"), ("#009e73", ":", "D"),
-          ("#cc79a7", (0, (5, 1)), "v"), ("#56b4e9", (0, (3, 1, 1, 1)), "P"), ("#e69f00", (0, (1, 1)), "X"),
-          ("#7f7f7f", (0, (7, 2)), "*")]
 PHASES = ["kinematics", "assemble", "factorise", "solve"]
 TICKS = [1, 2, 4, 8, 16, 32, 64]
 
@@ -35,17 +29,11 @@ def read(path):
     """{family: {formulation: {(phase, metric): {bodies: [values]}}}}"""
     data = collections.defaultdict(
         lambda: collections.defaultdict(lambda: collections.defaultdict(lambda: collections.defaultdict(list))))
-    with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            if row["value"] and row["metric"] in ("flops", "time", "memory") and ":N" not in row["model"]:
-                key = row["phase"], row["metric"]
-                data[family(row["model"])][row["formulation"]][key][int(row["bodies"])].append(float(row["value"]))
+    for row in figures.rows(path):
+        if row["value"] and row["metric"] in ("flops", "time", "memory") and ":N" not in row["model"]:
+            key = row["phase"], row["metric"]
+            data[family(row["model"])][row["formulation"]][key][int(row["bodies"])].append(float(row["value"]))
     return data
-
-
-def order(names):
-    """The recursion first, so that it has the same style everywhere."""
-    return sorted(names, key=lambda name: (name != "recursive", name))
 
 
 def per_body(series, scale=1.0):
@@ -74,7 +62,7 @@ def dress(axes, title, ylabel):
 
 
 def draw(axes, curves, styles, metric, scale):
-    for name in order(n for n in curves if not n.startswith("published")):
+    for name in figures.order(n for n in curves if not n.startswith("published")):
         series = curves[name].get(("total", metric))
         if not series:
             continue
@@ -99,7 +87,7 @@ def published(data, styles, path):
     """Counts of revolute chains beside those of the literature, each with its name at the end of its line."""
     curves = data.get("chain:N", {})
     names = sorted(n for n in curves if n.startswith("published"))
-    ours = [n for n in order(curves) if n not in names and ("total", "flops") in curves[n]]
+    ours = [n for n in figures.order(curves) if n not in names and ("total", "flops") in curves[n]]
     if not names or not ours:
         return
     fig, axes = plt.subplots(figsize=(7.6, 5.2))
@@ -122,7 +110,7 @@ def published(data, styles, path):
     axes.legend(handles, labels, fontsize=8, frameon=False, loc="upper left",
                 title="counted here (η̇, all â, all f̂)\npublished (dashed): η̇ only", title_fontsize=8)
     fig.tight_layout()
-    save(fig, path)
+    figures.save(fig, path)
 
 
 TITLES = {"chain": "chain", "tree": "binary tree", "star": "star"}
@@ -155,20 +143,20 @@ def figure(data, families, styles, path):
         for axes in (grid[0][column], grid[1][column]):
             for handle, label in zip(*axes.get_legend_handles_labels()):
                 handles.setdefault(label, handle)
-    names = order(handles)
+    names = figures.order(handles)
     shown = [handles[n] for n in names]
     if any(n.startswith("published") for f in families for n in data[f]):
         shown.append(matplotlib.lines.Line2D([], [], color="0.4", linestyle=(0, (4, 3)), linewidth=0.9))
         names.append("published counts, η̇ only")
     fig.legend(shown, names, loc="lower center", ncol=5, fontsize=8.5, frameon=False)
     fig.tight_layout(rect=(0, 0.075, 1, 1))
-    save(fig, path)
+    figures.save(fig, path)
 
 
 def phases(data, styles, path):
     """Share of the phases at one size, chain of revolute joints."""
     curves = data.get("chain:N") or next(iter(data.values()))
-    names = [n for n in order(curves) if ("total", "time") in curves[n]]
+    names = [n for n in figures.order(curves) if ("total", "time") in curves[n]]
     common = set.intersection(*(set(curves[n][("total", "time")]) for n in names)) if names else set()
     if not common:
         return
@@ -191,27 +179,31 @@ def phases(data, styles, path):
     axes.legend(frameon=False, fontsize=8, ncol=4, loc="lower center", bbox_to_anchor=(0.45, 1.0))
     axes.spines[["top", "right"]].set_visible(False)
     fig.tight_layout()
-    save(fig, path)
+    figures.save(fig, path)
 
 
-def save(fig, path):
-    for suffix in (".svg", ".pdf"):
-        fig.savefig(path.with_name(path.name + suffix))
-    plt.close(fig)
+def merged(data):
+    """Formulations that count the same everywhere become one curve, the first of them with how many more there are."""
+    def signature(name):
+        return tuple((family, size, tuple(values)) for family in sorted(data)
+                     for size, values in sorted(data[family].get(name, {}).get(("total", "flops"), {}).items()))
+
+    groups = collections.defaultdict(list)
+    for name in figures.order({n for curves in data.values() for n in curves}):
+        groups[signature(name) or name].append(name)
+    for first, *others in groups.values():
+        for curves in data.values() if others else ():
+            if first in curves:
+                curves[f"{first} +{len(others)}"] = curves.pop(first)
+            for name in others:
+                curves.pop(name, None)
+    return data
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("csv", type=pathlib.Path)
-    parser.add_argument("--out-dir", type=pathlib.Path, help="default: beside the CSV")
-    arguments = parser.parse_args()
-    out = (arguments.out_dir or arguments.csv.parent) / arguments.csv.stem
-    out.parent.mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update({"font.size": 9, "svg.hashsalt": "lanc", "pdf.fonttype": 42})
-
-    data = read(arguments.csv)
-    names = order({n for curves in data.values() for n in curves if not n.startswith("published")})
-    styles = {n: STYLES[i % len(STYLES)] for i, n in enumerate(names)}
+    path, out = figures.begin(__doc__)
+    data = merged(read(path))
+    styles = figures.styles({n for curves in data.values() for n in curves if not n.startswith("published")})
     figure(data, ["chain:N", "tree:N", "star:N"], styles, out)
     figure(data, [f for f in sorted(data) if "joint=" in f and f.startswith("chain")], styles,
            out.with_name(out.name + "-joints"))

@@ -3,13 +3,11 @@
 
 plot.py CSV [--out-dir DIR] writes an SVG and a PDF named after the CSV.
 """
-import argparse
-import csv
 import pathlib
+import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import figures
 import matplotlib.pyplot as plt
 
 MARKERS = {"solved": ("o", "#0072b2"), "redundant": ("s", "#009e73"), "singular": ("^", "#d55e00"),
@@ -17,23 +15,15 @@ MARKERS = {"solved": ("o", "#0072b2"), "redundant": ("s", "#009e73"), "singular"
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("csv", type=pathlib.Path)
-    parser.add_argument("--out-dir", type=pathlib.Path, help="default: beside the CSV")
-    arguments = parser.parse_args()
-    out = (arguments.out_dir or arguments.csv.parent) / arguments.csv.stem
-    out.parent.mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update({"font.size": 8, "svg.hashsalt": "lanc", "pdf.fonttype": 42})
-
+    path, out = figures.begin(__doc__)
     times = {}
-    with open(arguments.csv, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            if row["formulation"] and row["phase"] == "total" and row["metric"] == "time" and row["value"]:
-                times[row["model"], row["formulation"]] = float(row["value"]), row["status"]
+    for row in figures.rows(path):
+        if row["formulation"] and row["phase"] == "total" and row["metric"] == "time" and row["value"]:
+            times[row["model"], row["formulation"]] = float(row["value"]), row["status"]
     if not times:
         return
     models = list(dict.fromkeys(model for model, _ in times))
-    names = sorted({name for _, name in times})
+    names = figures.order({name for _, name in times})
     fig, grid = plt.subplots(1, len(names), figsize=(1.15 * len(names) + 2.6, 0.19 * len(models) + 1.4), sharey=True,
                              sharex=True, squeeze=False)
     for axes, name in zip(grid[0], names):
@@ -51,8 +41,7 @@ def main():
     handles = [plt.Line2D([], [], marker=m, color=c, linestyle="", label=s) for s, (m, c) in MARKERS.items()]
     fig.legend(handles=handles, loc="upper center", ncols=len(handles), fontsize=7, frameon=False)
     fig.tight_layout(rect=(0, 0, 1, 0.95))
-    for suffix in ("svg", "pdf"):
-        fig.savefig(f"{out}.{suffix}", metadata={"Date": None} if suffix == "svg" else {"CreationDate": None})
+    figures.save(fig, out)
 
 
 if __name__ == "__main__":

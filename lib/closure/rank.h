@@ -42,8 +42,8 @@ struct ClosureDecision {
   std::vector<double> correction;  // to be added to γ̿, which makes the conditions consistent (least squares)
 };
 
-/// Bound to a model. Rows that share no velocity are decided apart (lib/closure/row_space.h): cubic in the rows of loops
-/// that hang together up to some hundred, sparse beyond. Tested by tests/lib/closure_test.cpp.
+/// Bound to a model. Rows that share no velocity are decided apart (lib/closure/row_space.h): cubic in the rows of
+/// loops that hang together while they are few, sparse beyond. Tested by tests/lib/closure_test.cpp.
 template <class S>
 class ClosureRank {
  public:

@@ -9,7 +9,7 @@
 
 namespace lanc {
 
-/// The scaled rows of loops that hang together (lib/closure/components.h). Up to some hundred velocities by dense
+/// The scaled rows of loops that hang together (lib/closure/components.h). Up to 40 rows or velocities by dense
 /// singular values, beyond by sparse QR of Gᵀ with Heath's treatment of dependent columns (1982, SIAM J. Sci. Stat.
 /// Comput. 3, 223-237), whose singular values are estimates: the smallest by inverse iteration, so that a rank that is
 /// not clear is seen. Tested by tests/lib/row_space_test.cpp.

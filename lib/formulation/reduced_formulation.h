@@ -66,8 +66,8 @@ class ReducedFormulation : public Formulation<S> {
 /// approached by steps whose right-hand side is what the last one left. Each step leaves the fraction μ_k / (μ_k + σ_k)
 /// of a closure error, σ_k being the eigenvalues of G M̄⁻¹ Gᵀ other than zero. Redundant rows need no treatment but
 /// this: what cannot be balanced in closure errors, rounding errors of γ̿ at most, is kept out of λ, where μ⁻¹ magnifies
-/// it; λ gets minimum norm on the way. Every step repeats the momentum balance, too. Stops at the rounding errors of both,
-/// or after 200 steps with closures open, which Formulation::solve tells: not_converged.
+/// it; λ gets minimum norm on the way. Every step repeats the momentum balance, too. Stops at the rounding errors of
+/// both, or after 200 steps with closures open, which Formulation::solve tells: not_converged.
 template <class S>
 class RegularisedFormulation : public ReducedFormulation<S> {
  public:
