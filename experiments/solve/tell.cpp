@@ -122,20 +122,28 @@ std::string comparison(const std::vector<Answer>& answers, const StateInput& inp
   const auto first =
       std::find_if(answers.begin(), answers.end(), [](const Answer& a) { return a.outcome.has_answer(); });
   TextTable table({"formulation", "status", "flops", "time", "residual", "difference"}, 2);
-  std::string messages;
+  std::vector<std::pair<std::string, std::string>> messages;  // and whose they are, once each
   for (const Answer& a : answers) {
     const bool usable = a.outcome.has_answer();
     table.row({std::string(a.info->name), std::string(to_string(a.outcome.status)), count(phase(a.flops, "total")),
                duration(phase(a.seconds, "total")), usable ? fmt::format("{:.1e}", a.residual) : "-",
                usable ? fmt::format("{:.1e}", difference(a.solution.vdot, first->solution.vdot)) : "-"});
-    if (!a.outcome.message.empty()) messages += fmt::format("  {}: {}\n", a.info->name, a.outcome.message);
+    if (a.outcome.message.empty()) continue;
+    const auto same = std::find_if(messages.begin(), messages.end(),
+                                   [&](const auto& entry) { return entry.first == a.outcome.message; });
+    if (same == messages.end())
+      messages.emplace_back(a.outcome.message, a.info->name);
+    else
+      same->second += fmt::format(", {}", a.info->name);
   }
   std::string text = fmt::format("{}: {} bodies, {} velocities, t = {} s\n", input.model.name(), input.model.bodies(),
                                  input.model.nv(), input.state.t);
   if (first != answers.end())
     text += fmt::format("difference: of η̇, relative to {}; time and flops: one evaluation with kinematics\n",
                         first->info->name);
-  return text + table.text() + messages;
+  text += table.text();
+  for (const auto& [message, names] : messages) text += fmt::format("  {}: {}\n", names, message);
+  return text;
 }
 
 }  // namespace lanc
