@@ -3,15 +3,13 @@
 
 plot.py CSV [--out-dir DIR] writes an SVG and a PDF named after the CSV: one column a topology, its largest model.
 """
-import argparse
 import collections
-import csv
 import pathlib
 import statistics
+import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import figures
 import matplotlib.pyplot as plt
 
 PHASES = ["assemble", "factorise", "solve"]
@@ -21,12 +19,11 @@ def read(path):
     """{model: {(formulation, settings): {(phase, metric): [values]}}}, bodies by model"""
     data = collections.defaultdict(lambda: collections.defaultdict(lambda: collections.defaultdict(list)))
     bodies = {}
-    with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            bodies[row["model"]] = int(row["bodies"])
-            if row["value"]:
-                key = row["formulation"], row["parameters"]
-                data[row["model"]][key][row["phase"], row["metric"]].append(float(row["value"]))
+    for row in figures.rows(path):
+        bodies[row["model"]] = int(row["bodies"])
+        if row["value"]:
+            key = row["formulation"], row["parameters"]
+            data[row["model"]][key][row["phase"], row["metric"]].append(float(row["value"]))
     return data, bodies
 
 
@@ -41,15 +38,9 @@ def seconds(values):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("csv", type=pathlib.Path)
-    parser.add_argument("--out-dir", type=pathlib.Path, help="default: beside the CSV")
-    arguments = parser.parse_args()
-    out = (arguments.out_dir or arguments.csv.parent) / arguments.csv.stem
-    out.parent.mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update({"font.size": 9, "svg.hashsalt": "lanc", "pdf.fonttype": 42})
+    path, out = figures.begin(__doc__)
 
-    data, bodies = read(arguments.csv)
+    data, bodies = read(path)
     largest = {}
     for model in data:
         kind = model.split(":")[0]
@@ -90,8 +81,7 @@ def main():
     handles, labels = grid[0].get_legend_handles_labels()
     fig.legend(handles, labels, loc="upper center", ncol=len(models), frameon=False)
     fig.tight_layout(rect=(0, 0, 1, 1 - 0.45 / fig.get_figheight()))
-    for suffix in (".svg", ".pdf"):
-        fig.savefig(out.with_name(out.name + suffix))
+    figures.save(fig, out)
 
 
 if __name__ == "__main__":

@@ -3,15 +3,13 @@
 
 plot.py CSV [--out-dir DIR] writes an SVG and a PDF named after the CSV.
 """
-import argparse
 import collections
-import csv
 import math
 import pathlib
+import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import figures
 import matplotlib.lines
 import matplotlib.pyplot as plt
 
@@ -27,10 +25,9 @@ HIGHEST = 1e3  # condition drawn: at a limit point it has no end
 def read(path):
     """[(parameters, {metric: value})] by cell, in order."""
     cells = collections.OrderedDict()
-    with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            if row["value"]:
-                cells.setdefault(row["parameters"], {})[row["metric"]] = float(row["value"])
+    for row in figures.rows(path):
+        if row["value"]:
+            cells.setdefault(row["parameters"], {})[row["metric"]] = float(row["value"])
     return [(dict(p.split("=", 1) for p in text.split(";")), values) for text, values in cells.items()]
 
 
@@ -136,15 +133,9 @@ def draw_conditions(axes, curve_cells, conditions, extremes, changes):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("csv", type=pathlib.Path)
-    parser.add_argument("--out-dir", type=pathlib.Path, help="default: beside the CSV")
-    arguments = parser.parse_args()
-    out = (arguments.out_dir or arguments.csv.parent) / arguments.csv.stem
-    out.parent.mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update({"font.size": 9, "svg.hashsalt": "lanc", "pdf.fonttype": 42})
+    path, out = figures.begin(__doc__)
 
-    cells = read(arguments.csv)
+    cells = read(path)
     curve = [(p, v) for p, v in cells if "curve" in p and "independent" not in p]
     conditions = [(p, v) for p, v in cells if "walk" not in p and "independent" in p]
     extremes = [(p, v) for p, v in cells if "extreme" in p and "independent" not in p]
@@ -156,8 +147,7 @@ def main():
     draw_positions(left, [v for _, v in curve], extremes, walk, changes)
     draw_conditions(right, curve, conditions, extremes, changes)
     fig.tight_layout()
-    for suffix in (".svg", ".pdf"):
-        fig.savefig(out.with_name(out.name + suffix))
+    figures.save(fig, out)
 
 
 if __name__ == "__main__":

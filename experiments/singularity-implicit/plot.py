@@ -3,15 +3,13 @@
 
 plot.py CSV [--out-dir DIR] writes an SVG and a PDF named after the CSV, and …-rhombus beside them.
 """
-import argparse
 import collections
-import csv
 import math
 import pathlib
+import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import figures
 import matplotlib.lines
 import matplotlib.pyplot as plt
 from matplotlib.ticker import MultipleLocator
@@ -30,10 +28,9 @@ BELOW = dict(fontsize=8, frameon=False, loc="upper center", bbox_to_anchor=(0.5,
 def read(path):
     """{model: [(parameters, {metric: value})]} by cell, in order."""
     cells = collections.OrderedDict()
-    with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            if row["value"]:
-                cells.setdefault((row["model"], row["parameters"]), {})[row["metric"]] = float(row["value"])
+    for row in figures.rows(path):
+        if row["value"]:
+            cells.setdefault((row["model"], row["parameters"]), {})[row["metric"]] = float(row["value"])
     models = collections.OrderedDict()
     for (model, text), values in cells.items():
         models.setdefault(model, []).append((dict(p.split("=", 1) for p in text.split(";")), values))
@@ -127,20 +124,13 @@ def draw(cells, out):
     draw_positions(left, cells)
     draw_singular_values(right, cells)
     fig.tight_layout()
-    for suffix in (".svg", ".pdf"):
-        fig.savefig(out.with_name(out.name + suffix))
+    figures.save(fig, out)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("csv", type=pathlib.Path)
-    parser.add_argument("--out-dir", type=pathlib.Path, help="default: beside the CSV")
-    arguments = parser.parse_args()
-    out = (arguments.out_dir or arguments.csv.parent) / arguments.csv.stem
-    out.parent.mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update({"font.size": 9, "svg.hashsalt": "lanc", "pdf.fonttype": 42})
+    path, out = figures.begin(__doc__)
 
-    for model, cells in read(arguments.csv).items():
+    for model, cells in read(path).items():
         if not model.endswith("point-cut") or not branches(cells):
             continue  # the hinge is the same curve
         draw(cells, out.with_name(out.name + "-rhombus") if "beta1-fixed" in branches(cells) else out)
