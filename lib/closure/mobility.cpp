@@ -91,7 +91,9 @@ class Analysis {
     result_.verdict = Verdict::overconstrained;
     if (result_.mobility == 0) return;
     const SecondOrder second(model_, state_, here);
-    std::vector<Eigen::VectorXd> directions = second.tangents();
+    // many: where N loops are singular at once there are 3^N branches, and the largest rank is on few of them
+    constexpr int starts = 512;
+    std::vector<Eigen::VectorXd> directions = second.tangents(starts);
     if (second.vanishes()) directions.resize(std::min<std::size_t>(directions.size(), 8));
     for (const Eigen::VectorXd& direction : directions) {
       walk(direction);
