@@ -135,10 +135,10 @@ void Formulation<S>::judge_closures(Outcome& outcome) const {
                     "balanced (worst: '{}'); least squares returned",
                     decision.contradiction, row()));
   else if (decision.varying_rank)
-    say(Status::singular,
-        fmt::format("singular configuration: the rank of the closure conditions, {} here, is larger in neighbouring states; the "
-                    "answer obeys the conditions at this very state only",
-                    decision.rank));
+    say(Status::singular, fmt::format("singular configuration: the rank of the closure conditions, {} here, is larger "
+                                      "in neighbouring states; the "
+                                      "answer obeys the conditions at this very state only",
+                                      decision.rank));
   else if (decision.near_singular)
     say(Status::singular,
         fmt::format("so near a singular configuration that the rank is not clear: singular values {:.1e} and {:.1e}",
