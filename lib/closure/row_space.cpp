@@ -61,7 +61,7 @@ class SparseRowSpace final : public RowSpace {
     qr_.compute(Gt_);
     const Eigen::SparseMatrix<double, Eigen::RowMajor> by_rows = qr_.matrixR();  // there and back: sorted
     R_ = by_rows;
-    set_rank(static_cast<int>(qr_.rank()));
+    find_left_kernel(static_cast<int>(qr_.rank()));
     sigma_ = VectorXd::Zero(std::min(Gt_.rows(), Gt_.cols()));
     for (int k = 0; k < rank_; ++k) sigma_[k] = std::min(std::abs(R_.coeff(k, k)), largest);
     std::sort(sigma_.data(), sigma_.data() + rank_, std::greater<>());
@@ -75,19 +75,8 @@ class SparseRowSpace final : public RowSpace {
   }
 
   void set_rank(int rank) override {
-    rank_ = std::min(rank, static_cast<int>(qr_.rank()));
-    const Index dependent = Gt_.cols() - rank_;
-    R11_ = R_.topLeftCorner(rank_, rank_);
-    Sparse X = R_.topRows(rank_).rightCols(dependent);
-    R11_.triangularView<Eigen::Upper>().solveInPlace(X);
-    std::vector<Eigen::Triplet<double>> entries;
-    for (Index c = 0; c < dependent; ++c) {
-      for (Sparse::InnerIterator i(X, c); i; ++i) entries.emplace_back(row(i.row()), c, -i.value());
-      entries.emplace_back(row(rank_ + c), c, 1.0);
-    }
-    N_.resize(Gt_.cols(), dependent);
-    N_.setFromTriplets(entries.begin(), entries.end());
-    if (dependent > 0) gram_.compute(N_.transpose() * N_);
+    rank = std::min(rank, static_cast<int>(qr_.rank()));
+    if (rank != rank_) find_left_kernel(rank);  // mostly it is the one decompose() found
   }
 
   std::vector<int> independent() const override {
@@ -115,6 +104,22 @@ class SparseRowSpace final : public RowSpace {
   }
 
  private:
+  void find_left_kernel(int rank) {
+    rank_ = rank;
+    const Index dependent = Gt_.cols() - rank_;
+    R11_ = R_.topLeftCorner(rank_, rank_);
+    Sparse X = R_.topRows(rank_).rightCols(dependent);
+    R11_.triangularView<Eigen::Upper>().solveInPlace(X);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index c = 0; c < dependent; ++c) {
+      for (Sparse::InnerIterator i(X, c); i; ++i) entries.emplace_back(row(i.row()), c, -i.value());
+      entries.emplace_back(row(rank_ + c), c, 1.0);
+    }
+    N_.resize(Gt_.cols(), dependent);
+    N_.setFromTriplets(entries.begin(), entries.end());
+    if (dependent > 0) gram_.compute(N_.transpose() * N_);
+  }
+
   int row(Index k) const { return qr_.colsPermutation().indices()[k]; }
 
   /// (R₁₁ᵀ R₁₁)⁻¹ y.

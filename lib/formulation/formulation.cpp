@@ -136,8 +136,7 @@ void Formulation<S>::judge_closures(Outcome& outcome) const {
                     decision.contradiction, row()));
   else if (decision.varying_rank)
     say(Status::singular, fmt::format("singular configuration: the rank of the closure conditions, {} here, is larger "
-                                      "in neighbouring states; the "
-                                      "answer obeys the conditions at this very state only",
+                                      "in neighbouring states; the answer obeys the conditions at this very state only",
                                       decision.rank));
   else if (decision.near_singular)
     say(Status::singular,
