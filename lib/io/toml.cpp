@@ -33,10 +33,11 @@ Eigen::Matrix3d read_inertia(const TomlTable& body) {
   const TomlTable tensor(inner, body.file(), body.who() + ": inertia", keys);
   for (const std::string_view key : Keys(keys).first(3))
     if (!tensor.find(key)) tensor.fail(fmt::format("{} is missing; give at least xx, yy and zz", key));
+  // Read before they are written down: a comma initialiser that an exception leaves half filled stops the program.
+  const double xy = tensor.number("xy"), xz = tensor.number("xz"), yz = tensor.number("yz");
+  const Eigen::Vector3d diagonal(tensor.number("xx"), tensor.number("yy"), tensor.number("zz"));
   Eigen::Matrix3d I;
-  I << tensor.number("xx"), tensor.number("xy"), tensor.number("xz"),  //
-      tensor.number("xy"), tensor.number("yy"), tensor.number("yz"),   //
-      tensor.number("xz"), tensor.number("yz"), tensor.number("zz");
+  I << diagonal.x(), xy, xz, xy, diagonal.y(), yz, xz, yz, diagonal.z();
   return I;
 }
 

@@ -89,6 +89,7 @@ const Bad bad_toml[] = {
     {"non_triangle_inertia", with_body("inertia=[1,1,3]\n"), "1:1", {"body 'b'", "triangle"}},
     {"inertia_of_four", with_body("inertia=[1,1,1,0]\n"), "4:9", {"[xx, yy, zz]", "not 4"}},
     {"inertia_without_zz", with_body("inertia={xx=1,yy=1}\n"), "4:9", {"zz is missing"}},
+    {"inertia_with_a_word", with_body("inertia={xx=1,yy=1,zz=1,xz='a'}\n"), "4:28", {"inertia", "xz", "number"}},
     {"duplicate_body", body_b + body_b + joint_j, "4:1", {"two bodies", "'b'"}},
     {"duplicate_joint", fine + joint_j, "8:1", {"'j'"}},
     {"unknown_parent", fine + "parent='bb'\n", "4:1", {"joint 'j'", "no body 'bb'"}},
