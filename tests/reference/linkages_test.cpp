@@ -143,49 +143,104 @@ TEST(Linkages, stewart_gough_platform_is_as_far_from_singular_as_computed) {
   EXPECT_NEAR(leg_forces(m, state).jacobiSvd().singularValues()[5], 8.58e-3, 0.5e-5);
 }
 
-/// Rows of the distal links' forces on the platform of the 3-RRR turned by `angle` at its centre: unit vector along the
-/// link, moment about the centre.
-Eigen::Matrix3d distal_forces(double angle) {
-  const Mechanism m = load_mechanism(linkages + "planar-3rrr.toml");
-  const int platform = *m.model.find_body("platform");
-  const Eigen::Vector3d corners[] = {{0, 0, 0}, {std::sqrt(3) / 4, 0, 0}, {std::sqrt(3) / 8, 0.375, 0}};
-  const Eigen::Vector3d centre(std::sqrt(3) / 8, 0.125, 0);
-  Evaluator<double> evaluator(m.model);
-  evaluator.system(m.state);
-  const Eigen::Vector3d home =
-      to_eigen(evaluator.positions()[platform]) + to_eigen(evaluator.body_rotation(platform)) * centre;
+/// G without the columns of joints whose names begin with `independent`: square when those are as many as the freedoms,
+/// and singular where they fail as independent coordinates.
+Eigen::MatrixXd dependent_columns(const Model& model, const State<double>& state, const std::string& independent) {
+  Evaluator<double> evaluator(model);
+  ClosureJacobian<double> jacobian(model);
+  jacobian.evaluate(evaluator.system(state));
+  const std::vector<std::string> names = model.velocity_names();
+  std::vector<int> place(model.nv(), -1);
+  int dependent = 0;
+  for (int k = 0; k < model.nv(); ++k)
+    if (names[k].rfind(independent, 0) != 0) place[k] = dependent++;
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(jacobian.rows(), dependent);
+  for (int r = 0; r < jacobian.rows(); ++r)
+    for (int p = jacobian.starts()[r]; p < jacobian.starts()[r + 1]; ++p)
+      if (place[jacobian.columns()[p]] >= 0) G(r, place[jacobian.columns()[p]]) = jacobian.values()[p];
+  return G;
+}
 
+/// The state of `m` in which the frame at `point` of the platform stands at `pose`.
+State<double> held(const Mechanism& m, const Placement& pose, const Eigen::Vector3d& point) {
   ModelSpec spec = m.model.spec();
   ClosureSpec hold;
   hold.name = "hold";
   hold.kind = *find_closure_kind("fixed");
   hold.body_b = "platform";
-  hold.frame_a.position = home;
-  hold.frame_b.position = centre;
-  hold.frame_a.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  hold.frame_a = pose;
+  hold.frame_b.position = point;
   spec.closures.push_back(hold);
-  const Model held = Model::build(spec);
-  const AssemblyResult assembled = assemble(held, m.state);
+  const AssemblyResult assembled = assemble(Model::build(spec), m.state);
   EXPECT_TRUE(assembled.assembled()) << assembled.message;
-  Evaluator<double> turned_evaluator(held);
-  turned_evaluator.system(assembled.state);
-  Eigen::Matrix3d rows;
-  for (int leg = 0; leg < 3; ++leg) {
-    const int distal = *held.find_body("distal" + std::to_string(leg + 1));
-    const Eigen::Matrix3d R = to_eigen(turned_evaluator.body_rotation(platform));
-    const Eigen::Vector3d arm = R * (corners[leg] - centre);
-    const Eigen::Vector3d u = (home + arm - to_eigen(turned_evaluator.positions()[distal])).normalized();
-    rows.row(leg) << u.x(), u.y(), arm.cross(u).z();
-  }
-  return rows;
+  return assembled.state;
 }
 
+Eigen::Matrix3d about_z(double angle) { return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix(); }
+
+TEST(Linkages, leg_lengths_of_the_stewart_gough_platform_fail_as_coordinates_where_its_legs_are_singular) {
+  const Mechanism m = load_mechanism(linkages + "stewart-gough.toml");
+  const auto smallest = [&](double angle) {
+    const State<double> state = held(m, {about_z(angle), {0, 0, 1}}, {0, 0, 0});
+    const Eigen::MatrixXd G = dependent_columns(m.model, state, "slide");
+    EXPECT_EQ(G.rows(), G.cols());
+    EXPECT_EQ(analyse_mobility(m.model, state).mobility, 6);  // whatever the choice of coordinates
+    return G.jacobiSvd().singularValues().minCoeff();
+  };
+  EXPECT_GT(smallest(0), 0.05);
+  EXPECT_GT(smallest(89 * degree), 1e-3);
+  EXPECT_LT(smallest(90 * degree), 1e-10);
+}
+
+struct Planar3rrr {
+  Mechanism mechanism = load_mechanism(linkages + "planar-3rrr.toml");
+  Eigen::Vector3d corners[3] = {{0, 0, 0}, {std::sqrt(3) / 4, 0, 0}, {std::sqrt(3) / 8, 0.375, 0}};
+  Eigen::Vector3d centre{std::sqrt(3) / 8, 0.125, 0};
+  Eigen::Vector3d home{0, 0, 0};  // of the centre, in the world
+
+  /// With the platform turned at its centre.
+  State<double> at(double angle) const { return held(mechanism, {about_z(angle), home}, centre); }
+
+  /// Rows of the distal links' forces on the platform: unit vector along the link, moment about the centre.
+  Eigen::Matrix3d distal_forces(double angle) const {
+    Evaluator<double> evaluator(mechanism.model);
+    evaluator.system(at(angle));
+    Eigen::Matrix3d rows;
+    for (int leg = 0; leg < 3; ++leg) {
+      const int distal = *mechanism.model.find_body("distal" + std::to_string(leg + 1));
+      const Eigen::Vector3d arm = about_z(angle) * (corners[leg] - centre);
+      const Eigen::Vector3d u = (home + arm - to_eigen(evaluator.positions()[distal])).normalized();
+      rows.row(leg) << u.x(), u.y(), arm.cross(u).z();
+    }
+    return rows;
+  }
+};
+
 TEST(Linkages, planar_3rrr_is_as_far_from_its_second_kind_of_singularity_as_computed) {
-  const Eigen::Vector3d level = distal_forces(0).jacobiSvd().singularValues();
+  const Planar3rrr robot;
+  const Eigen::Vector3d level = robot.distal_forces(0).jacobiSvd().singularValues();
   EXPECT_NEAR(level[0], 1.2247, 0.5e-4);
   EXPECT_NEAR(level[1], 1.2247, 0.5e-4);
   EXPECT_NEAR(level[2], 0.38275, 0.5e-5);
-  EXPECT_NEAR(distal_forces(-0.5).jacobiSvd().singularValues()[2], 0.0767, 0.5e-4);
+  EXPECT_NEAR(robot.distal_forces(-0.5).jacobiSvd().singularValues()[2], 0.0767, 0.5e-4);
+}
+
+TEST(Linkages, shoulder_angles_of_the_3rrr_fail_as_coordinates_where_its_distal_links_meet_in_a_point) {
+  const Planar3rrr robot;
+  double singular = -1, regular = -0.5;  // the determinant has another sign at either end
+  ASSERT_LT(robot.distal_forces(singular).determinant() * robot.distal_forces(regular).determinant(), 0);
+  const double sign = robot.distal_forces(regular).determinant();
+  while (regular - singular > 1e-12) {
+    const double middle = (singular + regular) / 2;
+    (robot.distal_forces(middle).determinant() * sign > 0 ? regular : singular) = middle;
+  }
+  const auto smallest = [&](double angle) {  // wrists are hinges: three rows of five say nothing in the plane
+    const Eigen::MatrixXd G = dependent_columns(robot.mechanism.model, robot.at(angle), "shoulder");
+    return G.jacobiSvd().singularValues().minCoeff();
+  };
+  EXPECT_LT(smallest(regular), 1e-10);
+  EXPECT_GT(smallest(-0.5), 1e-3);
+  EXPECT_GT(smallest(0), 1e-2);
 }
 
 }  // namespace
