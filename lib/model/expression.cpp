@@ -28,7 +28,7 @@ class Expression::Parser {
   [[noreturn]] void fail(std::size_t at, const std::string& what) const {
     throw InputError(
         fmt::format("formula, character {}: {}; a formula is made of numbers, t, pi, + - * / ^ ( ) and "
-                    "sin cos tan exp log sqrt abs tanh",
+                    "sin cos tan asin acos atan exp log sqrt abs tanh",
                     at + 1, what));
   }
   void skip_space() {
@@ -108,8 +108,9 @@ class Expression::Parser {
     if (word == "t") return steps_.push_back({Code::time});
     if (word == "pi") return steps_.push_back({Code::number, std::numbers::pi});
     static constexpr std::pair<std::string_view, Code> functions[] = {
-        {"sin", Code::sin}, {"cos", Code::cos},   {"tan", Code::tan}, {"exp", Code::exp},
-        {"log", Code::log}, {"sqrt", Code::sqrt}, {"abs", Code::abs}, {"tanh", Code::tanh}};
+        {"sin", Code::sin},   {"cos", Code::cos},   {"tan", Code::tan},  {"asin", Code::asin},
+        {"acos", Code::acos}, {"atan", Code::atan}, {"exp", Code::exp},  {"log", Code::log},
+        {"sqrt", Code::sqrt}, {"abs", Code::abs},   {"tanh", Code::tanh}};
     for (const auto& [known, code] : functions) {
       if (word != known) continue;
       if (!accept('(')) fail(at_, fmt::format("'{}' needs its argument in parentheses", word));
@@ -198,6 +199,17 @@ MotionSample Expression::at(double t) const {
       case Code::tan: {
         const double y = std::tan(x), d = 1 + y * y;
         top = chain(b, y, d, 2 * y * d);
+        break;
+      }
+      case Code::asin:
+      case Code::acos: {
+        const double sign = step.code == Code::asin ? 1 : -1, square = 1 - x * x, d = sign / std::sqrt(square);
+        top = chain(b, sign > 0 ? std::asin(x) : std::acos(x), d, x * d / square);
+        break;
+      }
+      case Code::atan: {
+        const double d = 1 / (1 + x * x);
+        top = chain(b, std::atan(x), d, -2 * x * d * d);
         break;
       }
       case Code::exp: top = chain(b, std::exp(x), std::exp(x), std::exp(x)); break;

@@ -12,7 +12,8 @@
 
 namespace lanc {
 
-/// A parsed formula: numbers, t, pi, + − * / ^ (constant exponent), parentheses, sin cos tan exp log sqrt abs tanh.
+/// A parsed formula: numbers, t, pi, + − * / ^ (constant exponent), parentheses, sin cos tan
+/// asin acos atan exp log sqrt abs tanh.
 /// Evaluated in truncated Taylor arithmetic (value and two derivatives at once). Tested by tests/lib/motion_test.cpp.
 class Expression {
  public:
@@ -34,6 +35,9 @@ class Expression {
     sin,
     cos,
     tan,
+    asin,
+    acos,
+    atan,
     exp,
     log,
     sqrt,

@@ -98,6 +98,10 @@ TEST(Expression, knows_precedence_functions_and_constants) {
       {"sqrt(t*t)", t},
       {"abs(-t)", t},
       {"tanh(t)", std::tanh(t)},
+      {"asin(sin(t))", t},
+      {"acos(cos(t))", t},
+      {"atan(tan(t))", t},
+      {"asin(t)+acos(t)", std::numbers::pi / 2},
       {" 1 +\t2 ", 3},
   };
   for (const auto& entry : formulas)
@@ -105,8 +109,9 @@ TEST(Expression, knows_precedence_functions_and_constants) {
 }
 
 TEST(Expression, has_the_exact_derivatives_of_every_function) {
-  for (const char* text : {"sin(2*t)", "cos(t^2)", "tan(t/3)", "exp(-t)", "log(1+t)", "sqrt(1+t^2)", "abs(t-5)",
-                           "tanh(3*t)", "t/(1+t)", "t^2.5", "(1+t)^-3", "2*t-t*t", "sin(t)*exp(t)/t", "t^0", "t^1"})
+  for (const char* text :
+       {"sin(2*t)", "cos(t^2)", "tan(t/3)", "exp(-t)", "log(1+t)", "sqrt(1+t^2)", "abs(t-5)", "tanh(3*t)", "asin(t/2)",
+        "acos(t/2)", "atan(3*t)", "t/(1+t)", "t^2.5", "(1+t)^-3", "2*t-t*t", "sin(t)*exp(t)/t", "t^0", "t^1"})
     for (const double t : {0.3, 1.1}) expect_derivatives(*PrescribedMotion::create(Formula{text}), t, text);
 }
 
@@ -156,6 +161,8 @@ TEST(Expression, is_not_finite_at_poles_and_outside_of_domains) {
   EXPECT_FALSE(std::isfinite(Expression("log(t)").at(-1).position));
   EXPECT_FALSE(std::isfinite(Expression("sqrt(t)").at(-1).position));
   EXPECT_FALSE(std::isfinite(Expression("abs(t)").at(0).velocity));
+  EXPECT_FALSE(std::isfinite(Expression("asin(t)").at(1.5).position));
+  EXPECT_FALSE(std::isfinite(Expression("acos(t)").at(1).velocity));
 }
 
 }  // namespace
