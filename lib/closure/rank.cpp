@@ -30,6 +30,7 @@ template <class S>
 struct ClosureRank<S>::Work {
   Model model;
   ClosureScaling scaling;
+  std::vector<double> row_unit;  // of g, the inverse of its scale
   ClosureJacobian<S> jacobian;
   std::vector<Block> blocks;
   Solution<S> at_rest;
@@ -48,6 +49,7 @@ struct ClosureRank<S>::Work {
       block.part = std::move(part);
       blocks.push_back(std::move(block));
     }
+    for (const double scale : scaling.row) row_unit.push_back(1 / scale);
     decision.independent.resize(m.closures().rows());
     decision.correction.resize(m.closures().rows());
   }
@@ -77,6 +79,7 @@ struct ClosureRank<S>::Work {
       threshold = policy.rank == 0                             ? std::numeric_limits<double>::infinity()
                   : policy.rank > static_cast<int>(all.size()) ? 0
                                                                : all[policy.rank - 1];
+    if (!policy.automatic()) threshold = std::max(threshold, policy.smallest * unit);
     decision.rank = 0;
     for (Block& block : blocks) {
       const Eigen::VectorXd& sigma = block.space->sigma();
@@ -211,7 +214,15 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   work.choose_rank(policy);
   for (const Block& block : work.blocks) work.select_rows(block);
   work.split_bias(system);
-  if (policy.automatic()) work.check_state(system), work.judge_rank(system);
+  work.check_state(system);
+  decision.held = !policy.automatic();
+  decision.varying_rank = false;
+  if (policy.automatic()) work.judge_rank(system);
+  // off the manifold redundant conditions differ by what the state violates; curvatures make some hundred times of it
+  constexpr double spread = 1e3;
+  decision.tolerated_contradiction =
+      decision.held ? largest_contradiction + spread * std::max(decision.position_violation, decision.velocity_violation)
+                    : largest_contradiction;
   return decision;
 }
 
@@ -220,22 +231,26 @@ const ClosureDecision& ClosureRank<S>::decision() const {
   return work_->decision;
 }
 
+/// Takes the part outside the range of G away from numbers that are scaled by `unit` a row.
 template <class S>
-void ClosureRank<S>::minimum_norm(std::vector<S>& lambda) const {
-  const std::vector<double>& scale = work_->scaling.row;
+void ClosureRank<S>::remove_outside(std::vector<S>& rows, const std::vector<double>& unit) const {
   for (const Block& block : work_->blocks) {
     if (block.redundant() == 0) continue;
     Eigen::VectorXd scaled(block.rows());
-    for (int r = 0; r < block.rows(); ++r) {
-      const int k = block.part.rows[r];
-      scaled[r] = to_double(lambda[k]) / scale[k];
-    }
+    for (int r = 0; r < block.rows(); ++r) scaled[r] = to_double(rows[block.part.rows[r]]) / unit[block.part.rows[r]];
     const Eigen::VectorXd rest = block.space->outside(scaled);
-    for (int r = 0; r < block.rows(); ++r) {
-      const int k = block.part.rows[r];
-      lambda[k] -= S(rest[r] * scale[k]);
-    }
+    for (int r = 0; r < block.rows(); ++r) rows[block.part.rows[r]] -= S(rest[r] * unit[block.part.rows[r]]);
   }
+}
+
+template <class S>
+void ClosureRank<S>::make_consistent(std::vector<S>& rows) const {
+  remove_outside(rows, work_->row_unit);
+}
+
+template <class S>
+void ClosureRank<S>::minimum_norm(std::vector<S>& lambda) const {
+  remove_outside(lambda, work_->scaling.row);
 }
 
 template <class S>

@@ -22,9 +22,12 @@ constexpr double largest_violation = 1e-6;
 constexpr double largest_contradiction = 1e-7;
 
 /// Who decides the rank: the singular values of every state, or the caller, once, for states off the manifold as well
-/// (inside a Runge-Kutta stage). A given rank switches off the checks of the state, too.
+/// (inside a Runge-Kutta stage). A given rank switches off the checks of the state, too; redundant conditions may then
+/// contradict one another as far as the state violates them.
 struct RankPolicy {
-  int rank = -1;  // −1: automatic
+  int rank = -1;             // −1: automatic
+  double smallest = 0;       // singular values below (relative to the larger of σ_1 and 1) count as zero, for motions
+                             // through singular configurations; 0: such a state is reported as near_singular
 
   bool automatic() const { return rank < 0; }
 };
@@ -37,6 +40,8 @@ struct ClosureDecision {
   bool varying_rank = false;         // the rank is larger in some neighbouring state: a singular configuration
   double position_violation = 0, velocity_violation = 0;  // largest |g| and |Gη + γ̄|, scaled
   double contradiction = 0;                               // relative, see largest_contradiction
+  double tolerated_contradiction = largest_contradiction;
+  bool held = false;                                      // the rank was given
   int worst_row = -1;                                     // that violates or contradicts most
   std::vector<char> independent;                          // per row: one of a well-conditioned set of `rank` rows
   std::vector<double> correction;  // to be added to γ̿, which makes the conditions consistent (least squares)
@@ -52,12 +57,15 @@ class ClosureRank {
 
   const ClosureDecision& decide(const System<S>& system, RankPolicy policy = {});
   const ClosureDecision& decision() const;
+  /// Takes away the part of one number a row that no velocities can bring about (least squares).
+  void make_consistent(std::vector<S>& rows) const;
   /// Replaces λ by the one of minimum norm in the scaled rows that does the same to the bodies.
   void minimum_norm(std::vector<S>& lambda) const;
   /// The largest of some value per row, scaled.
   double largest(const std::vector<S>& rows) const;
 
  private:
+  void remove_outside(std::vector<S>& rows, const std::vector<double>& unit) const;
   struct Work;
   std::unique_ptr<Work> work_;
 };

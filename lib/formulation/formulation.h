@@ -68,6 +68,12 @@ class Formulation {
   /// only where it finds eq. 12 violated in a model that gave no reason to expect it.
   Outcome solve(const System<S>& system, Solution<S>& solution, RankPolicy policy = {});
 
+  /// For what is linear in eq. 14 beside its solution (projections, derivatives): decision, matrices and factors at a
+  /// state, without an answer; then the answers to any right-hand sides there. Of redundant conditions that contradict
+  /// one another the least-squares part of `rhs` is used, and left in it. λ has minimum norm, drive forces are not set.
+  Outcome prepare(const System<S>& system, RankPolicy policy = {});
+  void respond(const System<S>& system, RightHandSide<S>& rhs, Solution<S>& solution);
+
   /// One step of iterative refinement with the residual of eq. 14, using the present factors. Returns the size of the
   /// correction relative to the answer, of accelerations or wrenches the larger. Restores the accuracy long chains
   /// lose; never changes a right answer.

@@ -1,4 +1,4 @@
-// Typed reading of TOML tables with errors that name place, thing and mend. Private to lib/io (exposes toml++).
+// Typed reading of TOML tables with errors that name place, thing and mend. Private to the library (exposes toml++).
 #pragma once
 
 #include <toml++/toml.h>

@@ -90,14 +90,22 @@ void write_all(int file, std::string_view text, const std::string& name) {
   }
 }
 
-/// Whole or not at all: into a file beside it, which then takes its name.
+}  // namespace
+
 void replace_file(const std::string& name, const std::string& text) {
   const std::string part = name + ".part";
-  std::ofstream(part, std::ios::binary | std::ios::trunc) << text;
+  std::ofstream out(part, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
   std::error_code error;
-  std::filesystem::rename(part, name, error);
-  if (error) throw InputError(fmt::format("cannot write {}: {}", name, error.message()));
+  if (out) std::filesystem::rename(part, name, error);
+  if (out && !error) return;
+  const std::string why = error ? error.message() : "the disk is full, or the file may not be that large";
+  std::filesystem::remove(part, error);
+  throw InputError(fmt::format("cannot write {}: {}", name, why));
 }
+
+namespace {
 
 std::string contents(const std::string& name) {
   std::ifstream in(name, std::ios::binary);
@@ -163,7 +171,7 @@ struct Report::State {
     if (description.file == "-") {
       file = STDOUT_FILENO;
     } else {
-      open_file(O_CREAT | O_TRUNC);
+      open_file(O_CREAT | O_TRUNC);  // emptied first: an old CSV must not be taken for one of the new sidecar
       replace_file(sidecar_name(description.file), description.sidecar + "\n");
     }
     write_all(file, header_line(), description.file);
@@ -172,6 +180,11 @@ struct Report::State {
   void open_file(int flags) {
     file = ::open(description.file.c_str(), O_WRONLY | O_CLOEXEC | flags, 0666);
     if (file < 0) throw InputError(fmt::format("cannot write {}: {}", description.file, std::strerror(errno)));
+  }
+
+  /// A run that was ended before it wrote its first line.
+  bool nothing_to_resume() const {
+    return !std::filesystem::exists(description.file) || read_csv(contents(description.file)).empty();
   }
 
   /// Takes over all cells but the last, which may be incomplete.
@@ -220,7 +233,8 @@ struct Report::State {
 
 Report::Report(const Description& description) : state_(std::make_unique<State>()) {
   state_->description = description;
-  if (description.resume && description.file != "-" && std::filesystem::exists(description.file))
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of write(), told as such
+  if (description.resume && description.file != "-" && !state_->nothing_to_resume())
     state_->resume();
   else
     state_->begin();

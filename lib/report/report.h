@@ -42,6 +42,9 @@ std::span<const std::string_view> csv_columns();
 std::string csv_line(std::string_view experiment, const Cell& cell, const Measurement& measurement);
 Row csv_row(std::span<const std::string> fields);
 
+/// Whole or not at all: into a file beside it, which then takes its name. Throws InputError.
+void replace_file(const std::string& name, const std::string& text);
+
 /// Writes FILE.csv and FILE.json. From construction until destruction SIGINT and SIGTERM end the program with exit
 /// code 130 and 143 between two cells: cells are written whole, in one write, so that the CSV is valid whenever the
 /// program ends. One at a time. Tested by tests/report/report_test.cpp.

@@ -138,7 +138,7 @@ std::vector<double> read_numbers(const std::string& who, const std::string& text
 
 struct StateProgram::State {
   std::string name;
-  bool takes_loads;
+  bool takes_loads, writes_csv;
   CLI::App app;
   std::string model, state_file, format = "text", out;
   Words time, q, v, tau, wrenches;
@@ -150,8 +150,8 @@ struct StateProgram::State {
   };
   std::vector<std::unique_ptr<Numbers>> own;
 
-  State(std::string program, const std::string& description, bool loads)
-      : name(std::move(program)), takes_loads(loads), app(description, name) {
+  State(std::string program, const std::string& description, bool loads, bool csv)
+      : name(std::move(program)), takes_loads(loads), writes_csv(csv), app(description, name) {
     app.add_option("MODEL", model, "model file (*.toml, *.urdf) or generator such as chain:10; see --list-models")
         ->required();
     app.add_option("--time", time, "time t, s (default: the model's)")->expected(1);
@@ -170,8 +170,15 @@ struct StateProgram::State {
                  "move the state to the nearest one in which all loops are closed, and make velocities consistent");
     app.add_flag("--within-limits", within_limits,
                  "the same with every joint within its limits, nearest by least squares of all positions (Ipopt)");
-    app.add_option("--format", format, "text or json")->check(CLI::IsMember({"text", "json"}))->capture_default_str();
-    app.add_option("--out", out, "file to write to (default: standard output)")->check(given());
+    if (writes_csv) {
+      out = name + ".csv";
+      app.add_option("--out", out, "CSV to write, its JSON sidecar beside it; - is standard output")
+          ->check(given())
+          ->capture_default_str();
+    } else {
+      app.add_option("--format", format, "text or json")->check(CLI::IsMember({"text", "json"}))->capture_default_str();
+      app.add_option("--out", out, "file to write to (default: standard output)")->check(given());
+    }
     app.add_flag_callback(
         "--list-models", [] { throw(print_models(), CLI::Success()); }, "print the generators, and end");
     app.add_flag_callback(
@@ -182,6 +189,7 @@ struct StateProgram::State {
     Mechanism mechanism = load_mechanism(model);
     StateInput result{model, mechanism.model, std::move(mechanism.state), {}};
     result.format = format == "json" ? Format::json : Format::text;
+    result.out = out;
     result.graph = std::move(mechanism.graph);
     if (!state_file.empty()) read_state_file(state_file, takes_loads, result);
     if (!time.empty()) {
@@ -235,6 +243,10 @@ struct StateProgram::State {
   }
 
   void write(const std::string& text) const {
+    if (writes_csv) {
+      fmt::print("{}", text);
+      return;
+    }
     for (const std::string& input : {model, state_file}) {
       std::error_code none;  // a generator, or a file that is not there yet, is no input to lose
       if (!out.empty() && std::filesystem::equivalent(out, input, none))
@@ -248,12 +260,24 @@ struct StateProgram::State {
   }
 };
 
-StateProgram::StateProgram(std::string name, std::string description, bool takes_loads)
-    : state_(std::make_unique<State>(std::move(name), description, takes_loads)) {}
+StateProgram::StateProgram(std::string name, std::string description, bool takes_loads, bool writes_csv)
+    : state_(std::make_unique<State>(std::move(name), description, takes_loads, writes_csv)) {}
 StateProgram::~StateProgram() = default;
 
 void StateProgram::option(const std::string& name, std::string& value, const std::string& help) {
   state_->app.add_option(name, value, help)->check(given())->capture_default_str();
+}
+
+void StateProgram::option(const std::string& name, double& value, const Range& range, const std::string& help) {
+  state_->app.add_option(name, value, help)->check(between(range.lowest, range.highest))->capture_default_str();
+}
+
+void StateProgram::option(const std::string& name, int& value, const Range& range, const std::string& help) {
+  state_->app.add_option(name, value, help)->check(between(range.lowest, range.highest))->capture_default_str();
+}
+
+void StateProgram::list(const std::string& name, std::vector<std::string>& values, const std::string& help) {
+  state_->app.add_option(name, values, help)->allow_extra_args(false);
 }
 
 void StateProgram::flag(const std::string& name, bool& value, const std::string& help) {
@@ -276,7 +300,9 @@ int StateProgram::run(int argc, const char* const* argv, const std::function<Sta
     return state_->app.exit(error) == 0 ? 0 : bad_input;
   }
   try {
-    const StateOutput output = body(state_->input());
+    StateInput input = state_->input();
+    input.command_line.assign(argv, argv + argc);
+    const StateOutput output = body(input);
     state_->write(output.text);
     return output.exit_code;
   } catch (const std::exception& error) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lib/io/mechanism.h"
+#include "lib/report/experiment.h"
 
 namespace lanc {
 
@@ -20,6 +21,8 @@ struct StateInput {
   State<double> state;  // checked
   Loads<double> loads;
   Format format = Format::text;
+  std::string out;                        // of --out
+  std::vector<std::string> command_line;
   GraphRecord graph = {};  // of a model that was given as a graph of joints
 };
 
@@ -34,11 +37,16 @@ struct StateOutput {
 /// of the other options, then assembled. Tested by tests/cli/cli_test.cpp.
 class StateProgram {
  public:
-  StateProgram(std::string name, std::string description, bool takes_loads);
+  /// `writes_csv`: the program writes results itself, into the file of --out (StateInput::out), and has no --format;
+  /// its text goes to standard output.
+  StateProgram(std::string name, std::string description, bool takes_loads, bool writes_csv = false);
   ~StateProgram();
 
   /// Options of this program's own; what they hold now is the default.
   void option(const std::string& name, std::string& value, const std::string& help);
+  void option(const std::string& name, double& value, const Range& range, const std::string& help);
+  void option(const std::string& name, int& value, const Range& range, const std::string& help);
+  void list(const std::string& name, std::vector<std::string>& values, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
   void numbers(const std::string& name, std::optional<std::vector<double>>& value, const std::string& help);
 

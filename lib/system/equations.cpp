@@ -151,4 +151,15 @@ template void inverse_dynamics(const System<Count>&, Solution<Count>&, std::vect
 template void residual(const System<Count>&, const RightHandSide<Count>&, const Solution<Count>&,
                        RightHandSide<Count>&);
 
+template void add_closure_reactions(const System<Dual<8>>&, const std::vector<Dual<8>>&, RightHandSide<Dual<8>>&);
+template void closure_accelerations(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, const Solution<Dual<8>>&,
+                                    std::vector<Dual<8>>&);
+template void accelerations(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, Solution<Dual<8>>&);
+template void bias_accelerations(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, Solution<Dual<8>>&);
+template void wrenches(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, Solution<Dual<8>>&);
+template void drive_forces(const System<Dual<8>>&, Solution<Dual<8>>&);
+template void inverse_dynamics(const System<Dual<8>>&, Solution<Dual<8>>&, std::vector<Dual<8>>&);
+template void residual(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, const Solution<Dual<8>>&,
+                       RightHandSide<Dual<8>>&);
+
 }  // namespace lanc

@@ -258,6 +258,13 @@ void Evaluator<S>::close_loops(const State<S>& state) {
 }
 
 template <class S>
+const System<S>& Evaluator<S>::stabilise(double alpha) {
+  for (std::size_t k = 0; k < system_.closure_rows.size(); ++k)
+    system_.rhs.closure[k] += S(2 * alpha) * system_.closure_rows[k].rate + S(alpha * alpha) * system_.closure_rows[k].g;
+  return system_;
+}
+
+template <class S>
 Mat3<S> Evaluator<S>::body_rotation(int body) const {
   return frames_[body].R * cast<S>(system_.model.body_axes(body));
 }
@@ -286,5 +293,6 @@ const std::vector<Motion<S>>& Evaluator<S>::twists() {
 template class Evaluator<double>;
 template class Evaluator<long double>;
 template class Evaluator<Count>;
+template class Evaluator<Dual<8>>;
 
 }  // namespace lanc

@@ -6,7 +6,7 @@
 namespace lanc {
 
 /// Bound to a model; allocates here and never again. One object per thread.
-/// Scalars: double, long double, Count. Tested by tests/lib/evaluator_test.cpp and the contract tests.
+/// Scalars: double, long double, Count, Dual<8>. Tested by tests/lib/evaluator_test.cpp and the contract tests.
 template <class S>
 class Evaluator {
  public:
@@ -15,6 +15,10 @@ class Evaluator {
   /// Coefficients of eq. 14 at a state. Sizes must be right (checked_state) and Euler parameters normalised. O(n).
   /// About 260 flops and two trigonometric functions per revolute body.
   const System<S>& system(const State<S>& state, const Loads<S>& loads = {});
+
+  /// Baumgarte's stabilisation (1972) of the coefficients evaluated last: conditions g̈ + 2α ġ + α² g = 0 in place of
+  /// g̈ = 0. α in 1/s.
+  const System<S>& stabilise(double alpha);
 
   /// World axes of body i's joint axes and position of its reference point, at the last state.
   const Mat3<S>& rotation(int body) const { return frames_[body].R; }
@@ -49,5 +53,6 @@ class Evaluator {
 extern template class Evaluator<double>;
 extern template class Evaluator<long double>;
 extern template class Evaluator<Count>;
+extern template class Evaluator<Dual<8>>;
 
 }  // namespace lanc

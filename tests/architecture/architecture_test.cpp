@@ -63,10 +63,12 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"lib/closure", {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/solve"}},
     {"lib/solve", {"lib/scalar"}},
     {"lib/formulation", {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/solve"}},
-    {"lib/integrate", {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/formulation"}},
+    {"lib/integrate",
+     {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/solve", "lib/formulation"}},
     {"lib/io", {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure"}},
     {"lib/report",
-     {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/formulation", "lib/io"}},
+     {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/formulation", "lib/integrate",
+      "lib/io"}},
 };
 
 bool may_include(const Source& source, const std::string& included) {

@@ -1,0 +1,222 @@
+#include "experiments/simulate/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "lib/model/error.h"
+#include "lib/report/sidecar.h"
+#include "lib/report/timing.h"
+
+namespace lanc {
+namespace {
+
+class Run {
+ public:
+  Run(const StateInput& input, const RunOptions& options)
+      : input_(input),
+        options_(options),
+        simulation_(input.model, with_loads(options.simulation, input.loads)),
+        quantities_(input.model, options.quantities),
+        progress_("simulate", options.quiet),
+        report_({"simulate", input.out, sidecar("simulate", input.command_line, resume_options(), std::nullopt),
+                 options.resume}) {
+    for (const std::string& text : options.stop_when) conditions_.push_back(read_stop_condition(text));
+  }
+
+  StateOutput go() {
+    Outcome outcome = begin();
+    const double start = input_.state.t, length = options_.end - start;
+    const auto rows = static_cast<std::int64_t>(std::ceil(length / options_.interval - 1e-9));
+    progress_.start(rows);
+    if (outcome.usable()) outcome = write_instant();
+    std::int64_t row = 0;
+    if (began()) row = rows_done(), last_ = simulation_.renew();
+    while (outcome.usable() && row < rows && !met_) {
+      progress_.advance(row, fmt::format("t = {:.6g} s", simulation_.t()));
+      ++row;
+      outcome = advance(row == rows ? options_.end : start + row * options_.interval);
+      if (!outcome.usable()) break;
+      if (row % options_.checkpoint_every == 0 || row == rows) checkpoint();
+    }
+    progress_.clear();
+    write_end(outcome);
+    report_.finish();
+    return {summary(outcome), outcome.usable() ? 0 : 1};
+  }
+
+ private:
+  static SimulationOptions with_loads(SimulationOptions options, const Loads<double>& loads) {
+    options.loads = loads;
+    return options;
+  }
+
+  /// All that is in the command line but --out, --quiet and --resume, and the state it came to.
+  std::vector<std::pair<std::string, std::string>> resume_options() const {
+    const auto text = [](const auto& numbers) { return fmt::format("{}", fmt::join(numbers, " ")); };
+    std::string points;
+    for (const TracedPoint& p : options_.quantities.points)
+      points += fmt::format("{}={}:{},{},{} ", p.name, p.body, p.offset.x, p.offset.y, p.offset.z);
+    const QuantityChoice& q = options_.quantities;
+    return {{"model", input_.argument},
+            {"t", fmt::format("{}", input_.state.t)},
+            {"q", text(input_.state.q)},
+            {"v", text(input_.state.v)},
+            {"tau", text(input_.loads.tau)},
+            {"wrenches", std::to_string(input_.loads.wrenches.size())},
+            {"formulation", options_.simulation.formulation},
+            {"parameters", options_.parameters},
+            {"end", fmt::format("{}", options_.end)},
+            {"interval", fmt::format("{}", options_.interval)},
+            {"checkpoint-every", std::to_string(options_.checkpoint_every)},
+            {"candidates", text(options_.simulation.candidates)},
+            {"points", points},
+            {"quantities", fmt::format("{}{}{}{}", int(q.accelerations), int(q.reactions), int(q.multipliers),
+                                       int(q.bodies))},
+            {"stop-when", fmt::format("{}", fmt::join(options_.stop_when, " "))}};
+  }
+
+  Outcome begin() {
+    if (options_.resume)
+      if (const auto checkpoint = read_checkpoint(input_.out, input_.model)) return simulation_.resume(*checkpoint);
+    std::error_code none;
+    if (input_.out != "-") std::filesystem::remove(checkpoint_name(input_.out), none);
+    return simulation_.begin(input_.state);
+  }
+
+  std::int64_t rows_done() const {
+    return std::llround((simulation_.t() - input_.state.t) / options_.interval);
+  }
+
+  Cell cell(double t, const std::string& event = {}) const {
+    Cell cell;
+    cell.model = input_.argument;
+    cell.bodies = input_.model.bodies(), cell.velocities = input_.model.nv();
+    cell.closure_rows = input_.model.closures().rows();
+    cell.formulation = options_.simulation.formulation;
+    cell.parameters = fmt::format("t={};{}{}", t, options_.parameters, event.empty() ? "" : ";event=" + event);
+    return cell;
+  }
+
+  Outcome advance(double limit) {
+    while (simulation_.t() < limit) {
+      const double before = simulation_.t();
+      if (Outcome outcome = simulation_.step(limit); !outcome.usable()) return outcome;
+      for (const StopCondition& condition : conditions_)
+        if (condition.distance(quantities_.at(simulation_.instant())) >= 0 && before < simulation_.t()) {
+          locate(condition, last_, simulation_.t(), simulation_, quantities_);
+          met_ = &condition;
+          return write_instant();
+        }
+    }
+    write_changes();
+    return write_instant();
+  }
+
+  Outcome write_instant() {
+    const Instant now = simulation_.instant();
+    drift_ = std::max(drift_, std::abs(now.energy_drift));
+    violation_ = std::max(violation_, now.position_violation);
+    const Cell where = cell(now.point.state.t);
+    if (!report_.has(where)) {
+      std::vector<Measurement> measurements;
+      for (const Quantity& q : quantities_.at(now))
+        measurements.push_back({"total", q.name, q.value, q.unit, std::string(to_string(now.outcome.status))});
+      report_.write(where, measurements);
+    }
+    return now.outcome;
+  }
+
+  void write_changes() {
+    const auto names = input_.model.velocity_names();
+    const auto list = [&](const std::vector<int>& some) {
+      std::string text;
+      for (const int k : some) text += (text.empty() ? "" : " ") + names[k];
+      return text;
+    };
+    for (; told_ < simulation_.changes().size(); ++told_, ++changes_) {
+      const IndependentChange& change = simulation_.changes()[told_];
+      const Cell where = cell(change.t, fmt::format("choice;from={};to={}", list(change.before), list(change.after)));
+      const Measurement conditions[] = {{"total", "choice_condition_before", change.condition_before, "1"},
+                                        {"total", "choice_condition_after", change.condition_after, "1"}};
+      if (!report_.has(where)) report_.write(where, conditions);
+    }
+  }
+
+  void checkpoint() {
+    last_ = simulation_.renew();
+    told_ = 0;
+    if (input_.out != "-") write_checkpoint(input_.out, last_);
+  }
+
+  void write_end(const Outcome& outcome) {
+    const StepperCounts steps = simulation_.steps();
+    const MotionCounts evaluations = simulation_.evaluations();
+    const auto count = [&](const char* what, long value) {
+      return Measurement{"total", what, static_cast<double>(value), "1", std::string(to_string(outcome.status))};
+    };
+    const Measurement list[] = {count("steps", steps.steps),
+                                count("rejected_steps", steps.rejected),
+                                count("newton_iterations", steps.newton_iterations),
+                                count("evaluations", evaluations.rates),
+                                count("jacobians", evaluations.jacobians),
+                                count("kinematics", evaluations.kinematics),
+                                count("dual_kinematics", evaluations.dual_kinematics)};
+    const double t = outcome.usable() || began() ? simulation_.t() : input_.state.t;
+    if (began()) report_.write(cell(t, "end"), list);
+    if (!outcome.usable() && input_.out != "-") {
+      const State<double> state = began() ? simulation_.point().state : input_.state;
+      const nlohmann::ordered_json document = {{"t", state.t}, {"q", state.q}, {"v", state.v}};
+      replace_file(std::filesystem::path(input_.out).replace_extension(".state.json"), document.dump(1) + "\n");
+    }
+  }
+
+  bool began() const { return simulation_.begun(); }
+
+  std::string summary(const Outcome& outcome) const {
+    std::string text;
+    if (!outcome.usable())
+      text += fmt::format("ended: {}: {}\n", to_string(outcome.status), outcome.message);
+    else if (met_)
+      text += fmt::format("stopped at t = {:.12g} s: {}\n", simulation_.t(), met_->text);
+    if (!began()) return text;
+    const StepperCounts steps = simulation_.steps();
+    const MotionCounts evaluations = simulation_.evaluations();
+    text += fmt::format("t = {:.9g} s after {} steps ({} rejected), {} evaluations, {} Jacobians\n", simulation_.t(),
+                        steps.steps, steps.rejected, evaluations.rates, evaluations.jacobians);
+    text += fmt::format("largest energy drift {:.3g} J (beyond the work of drives, loads, dampers and friction: {:.6g} J "
+                        "at the end)\n",
+                        drift_, simulation_.point().work);
+    if (input_.model.has_closures())
+      text += fmt::format("rank {} of {} closure conditions held; largest violation {:.2g} (model lengths, radians){}\n",
+                          simulation_.held_rank(), input_.model.closures().rows(), violation_,
+                          changes_ > 0 ? fmt::format("; independent velocities changed {} times", changes_) : "");
+    return text;
+  }
+
+  const StateInput& input_;
+  const RunOptions& options_;
+  Simulation simulation_;
+  Quantities quantities_;
+  Progress progress_;
+  Report report_;
+  std::vector<StopCondition> conditions_;
+  const StopCondition* met_ = nullptr;
+  Checkpoint last_;
+  std::size_t told_ = 0;
+  int changes_ = 0;
+  double drift_ = 0, violation_ = 0;
+};
+
+}  // namespace
+
+StateOutput run(const StateInput& input, const RunOptions& options) {
+  for (const std::string& text : options.stop_when) (void)read_stop_condition(text);
+  return Run(input, options).go();
+}
+
+}  // namespace lanc

@@ -1,0 +1,173 @@
+#include "lib/integrate/simulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lib/integrate/full_coordinates.h"
+#include "lib/integrate/minimal_coordinates.h"
+#include "lib/integrate/residual_form.h"
+#include "lib/system/equations.h"
+
+namespace lanc {
+
+double baumgarte_rule(const Model& model, const SimulationOptions& options, bool fixed_step) {
+  if (options.baumgarte_time > 0) return options.baumgarte_time;
+  if (fixed_step) return 10 * options.step;
+  const double g = std::sqrt(dot(model.gravity(), model.gravity()));
+  return std::sqrt(model.length() / (g > 0 ? g : 9.81)) / 20;
+}
+
+std::optional<std::string> objection(const IntegratorInfo& integrator, Stabilisation stabilisation) {
+  if (integrator.holds_closures && stabilisation != Stabilisation::none)
+    return "this integrator holds the closure conditions itself; choose 'none'";
+  if (integrator.memory && stabilisation == Stabilisation::projection)
+    return "a projection after each step is no solution of the equations the earlier steps belong to; choose a "
+           "Runge-Kutta method, or another stabilisation";
+  if (integrator.implicit && stabilisation == Stabilisation::minimal)
+    return "the derivatives of minimal coordinates are not offered; choose an explicit integrator, or projection";
+  return std::nullopt;
+}
+
+struct Simulation::Parts {
+  Model model;
+  SimulationOptions options;
+  const FormulationInfo* formulation;
+  const IntegratorInfo* integrator;
+  Stabilisation stabilisation;
+  std::unique_ptr<MotionSolver> solver;
+  std::unique_ptr<MotionForm> form;
+  std::unique_ptr<Stepper> stepper;
+  double start_energy = 0;
+  StepperCounts steps_before;        // of earlier parts of this run
+  MotionCounts evaluations_before;
+
+  Parts(const Model& m, SimulationOptions o) : model(m), options(std::move(o)) {
+    formulation = find_formulation(options.formulation);
+    if (!formulation) throw InputError(fmt::format("there is no formulation '{}'", options.formulation));
+    integrator = &find_integrator(options.integrator);
+    stabilisation = find_stabilisation(options.stabilisation);
+    if (!model.has_closures()) stabilisation = Stabilisation::none;
+    check();
+    solver = std::make_unique<MotionSolver>(model, *formulation, options.loads);
+  }
+
+  void check() const {
+    if (const auto why = objection(*integrator, stabilisation))
+      throw InputError(fmt::format("integrator '{}' and stabilisation '{}' do not go together: {}", integrator->name,
+                                   to_string(stabilisation), *why));
+  }
+
+  void build(const MotionPoint& point, const std::vector<int>& independent, double first_step) {
+    const double alpha = 1 / baumgarte_rule(model, options, integrator->fixed_step);
+    if (integrator->holds_closures)
+      form = std::make_unique<ResidualForm>(*solver);
+    else if (stabilisation == Stabilisation::minimal)
+      form = std::make_unique<MinimalCoordinates>(*solver, point.state, independent, options.candidates);
+    else
+      form = std::make_unique<FullCoordinates>(*solver, stabilisation, alpha);
+    stepper = integrator->create(*form, {.tolerance = options.tolerance,
+                                         .step = options.step,
+                                         .spectral_radius = options.spectral_radius,
+                                         .first_step = first_step});
+    std::vector<double> y(form->size());
+    form->pack(point, y.data());
+    stepper->start(point.state.t, y);
+  }
+
+  Energy<double> energy_at(const State<double>& state) {
+    Evaluator<double> evaluator(model);
+    return energy(evaluator, state);
+  }
+};
+
+Simulation::Simulation(const Model& model, SimulationOptions options)
+    : parts_(std::make_unique<Parts>(model, std::move(options))) {}
+Simulation::~Simulation() = default;
+
+Outcome Simulation::begin(const State<double>& start) {
+  Parts& s = *parts_;
+  Outcome outcome = s.solver->hold(start, s.options.singular == SingularPolicy::pass);
+  if (!outcome.usable()) return outcome;
+  s.start_energy = s.energy_at(start).total();
+  s.build({start, 0}, {}, 0);
+  return outcome;
+}
+
+Outcome Simulation::resume(const Checkpoint& checkpoint) {
+  Parts& s = *parts_;
+  s.solver = std::make_unique<MotionSolver>(s.model, *s.formulation, s.options.loads);
+  RankPolicy policy{checkpoint.rank};
+  if (s.options.singular == SingularPolicy::pass) policy.smallest = clear_singular_value;
+  s.solver->hold(policy);
+  s.start_energy = checkpoint.start_energy;
+  s.steps_before = checkpoint.steps;
+  s.evaluations_before = checkpoint.evaluations;
+  s.build(checkpoint.point, checkpoint.independent, checkpoint.next_step);
+  return {};
+}
+
+Checkpoint Simulation::renew() {
+  Parts& s = *parts_;
+  Checkpoint checkpoint{point(),     s.stepper->next_step(), s.start_energy, s.solver->policy().rank,
+                        s.form->independent(), steps(), evaluations()};
+  (void)resume(checkpoint);
+  return checkpoint;
+}
+
+Outcome Simulation::step(double limit) {
+  Parts& s = *parts_;
+  if (s.stepper->step(limit)) return {};
+  Outcome outcome = s.form->outcome();
+  if (outcome.usable()) outcome = {Status::not_converged, s.stepper->message()};
+  outcome.message = fmt::format("t = {:.9g} s: {}", s.stepper->t(), outcome.message);
+  return outcome;
+}
+
+bool Simulation::begun() const { return parts_->stepper != nullptr; }
+double Simulation::t() const { return parts_->stepper->t(); }
+MotionPoint Simulation::point() const { return parts_->form->unpack(t(), parts_->stepper->y().data()); }
+double Simulation::next_step() const { return parts_->stepper->next_step(); }
+int Simulation::held_rank() const { return parts_->solver->policy().rank; }
+std::span<const IndependentChange> Simulation::changes() const { return parts_->form->changes(); }
+
+StepperCounts Simulation::steps() const {
+  StepperCounts counts = parts_->stepper->counts();
+  const StepperCounts& before = parts_->steps_before;
+  counts.steps += before.steps, counts.rejected += before.rejected;
+  counts.newton_iterations += before.newton_iterations;
+  return counts;
+}
+
+MotionCounts Simulation::evaluations() const {
+  MotionCounts counts = parts_->solver->counts();
+  const MotionCounts& before = parts_->evaluations_before;
+  counts.rates += before.rates, counts.jacobians += before.jacobians;
+  counts.kinematics += before.kinematics, counts.dual_kinematics += before.dual_kinematics;
+  return counts;
+}
+
+Instant Simulation::instant() {
+  Parts& s = *parts_;
+  Instant now;
+  now.point = point();
+  now.outcome = s.solver->solve(now.point.state);
+  now.solution = s.solver->solution();
+  now.position_violation = s.solver->position_violation();
+  now.velocity_violation = s.solver->velocity_violation();
+  if (s.model.has_closures()) {
+    std::vector<double> open(s.model.closures().rows());
+    closure_accelerations(s.solver->system(), s.solver->system().rhs, now.solution, open);
+    const ClosureScaling scaling(s.model);
+    for (std::size_t k = 0; k < open.size(); ++k)
+      now.acceleration_violation = std::max(now.acceleration_violation, std::abs(open[k]) * scaling.row[k]);
+  }
+  now.energy = s.energy_at(now.point.state);
+  now.energy_drift = now.energy.total() - s.start_energy - now.point.work;
+  now.choice_condition = s.form->condition();
+  return now;
+}
+
+}  // namespace lanc
