@@ -22,11 +22,10 @@ class Run {
         options_(options),
         simulation_(input.model, with_loads(options.simulation, input.loads)),
         quantities_(input.model, options.quantities),
+        conditions_(read_conditions(options.stop_when)),
         progress_("simulate", options.quiet),
         report_({"simulate", input.out, sidecar("simulate", input.command_line, resume_options(), std::nullopt),
-                 options.resume}) {
-    for (const std::string& text : options.stop_when) conditions_.push_back(read_stop_condition(text));
-  }
+                 options.resume}) {}
 
   StateOutput go() {
     Outcome outcome = begin();
@@ -50,6 +49,12 @@ class Run {
   }
 
  private:
+  static std::vector<StopCondition> read_conditions(const std::vector<std::string>& texts) {
+    std::vector<StopCondition> list;
+    for (const std::string& text : texts) list.push_back(read_stop_condition(text));
+    return list;
+  }
+
   static SimulationOptions with_loads(SimulationOptions options, const Loads<double>& loads) {
     options.loads = loads;
     return options;
@@ -83,8 +88,6 @@ class Run {
   Outcome begin() {
     if (options_.resume)
       if (const auto checkpoint = read_checkpoint(input_.out, input_.model)) return simulation_.resume(*checkpoint);
-    std::error_code none;
-    if (input_.out != "-") std::filesystem::remove(checkpoint_name(input_.out), none);
     return simulation_.begin(input_.state);
   }
 
@@ -202,9 +205,9 @@ class Run {
   const RunOptions& options_;
   Simulation simulation_;
   Quantities quantities_;
+  std::vector<StopCondition> conditions_;
   Progress progress_;
   Report report_;
-  std::vector<StopCondition> conditions_;
   const StopCondition* met_ = nullptr;
   Checkpoint last_;
   std::size_t told_ = 0;
@@ -215,7 +218,9 @@ class Run {
 }  // namespace
 
 StateOutput run(const StateInput& input, const RunOptions& options) {
-  for (const std::string& text : options.stop_when) (void)read_stop_condition(text);
+  // before the CSV is begun: a checkpoint of another run must not be taken for one of this
+  std::error_code none;
+  if (!options.resume && input.out != "-") std::filesystem::remove(checkpoint_name(input.out), none);
   return Run(input, options).go();
 }
 

@@ -15,6 +15,9 @@ namespace lanc {
 /// near a singular one that neither rank gives a right answer: errors grow like ε/σ².
 constexpr double zero_singular_value = 1e-10;
 constexpr double clear_singular_value = 1e-7;
+/// For motions that pass through singular configurations (RankPolicy::smallest): answers are as good as ε/σ², and what is
+/// left free for a moment is free for less than a microsecond of a motion of some 1/s.
+constexpr double passing_singular_value = 3e-6;
 /// How far a state may violate g = 0 and Gη + γ̄ = 0 (scaled) before it is called inconsistent; redundancy shows on the
 /// manifold only.
 constexpr double largest_violation = 1e-6;

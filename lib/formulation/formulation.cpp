@@ -100,7 +100,9 @@ Outcome Formulation<S>::prepare(const System<S>& system, RankPolicy policy) {
   if (!finite(system)) return not_finite(system);
   decide(system, policy);
   assemble(system);
-  return factorise(system);
+  Outcome outcome = factorise(system);
+  if (rank_) outcome.rank = closures().rank, outcome.redundant = closures().redundant, outcome.sigma = closures().sigma;
+  return outcome;
 }
 
 template <class S>

@@ -100,7 +100,7 @@ Outcome Simulation::resume(const Checkpoint& checkpoint) {
   Parts& s = *parts_;
   s.solver = std::make_unique<MotionSolver>(s.model, *s.formulation, s.options.loads);
   RankPolicy policy{checkpoint.rank};
-  if (s.options.singular == SingularPolicy::pass) policy.smallest = clear_singular_value;
+  if (s.options.singular == SingularPolicy::pass) policy.smallest = passing_singular_value;
   s.solver->hold(policy);
   s.start_energy = checkpoint.start_energy;
   s.steps_before = checkpoint.steps;
