@@ -20,6 +20,8 @@ struct MechanismReport {
   bool absolute = false;  // with the ranks in absolute coordinates
 };
 
+inline std::string named(const std::string& body) { return body.empty() ? "ground" : body; }
+
 /// The object of the command-line contract (README of this program).
 Json to_json(const MechanismReport& report);
 std::string to_text(const MechanismReport& report);

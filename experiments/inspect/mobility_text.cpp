@@ -6,8 +6,6 @@
 namespace lanc {
 namespace {
 
-std::string named(const std::string& body) { return body.empty() ? "ground" : body; }
-
 std::string verdict_text(const Mobility& m) {
   switch (m.verdict) {
     case Verdict::regular: return m.closure_rows == 0 ? "regular: a tree" : "regular: every closure condition counts";

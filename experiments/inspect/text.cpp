@@ -11,7 +11,6 @@ namespace lanc {
 namespace {
 
 std::string triple(const Eigen::Vector3d& a) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", a.x(), a.y(), a.z()); }
-std::string named(const std::string& body) { return body.empty() ? "ground" : body; }
 
 std::string summary(const StateInput& input) {
   const Model& model = input.model;

@@ -1,5 +1,5 @@
 #include "lib/formulation/reduced_formulation.h"
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 
 namespace lanc {
 namespace {
@@ -19,7 +19,7 @@ class Augmented final : public RegularisedFormulation<S> {
   void step(const Vector& p, const Vector& q, Vector& x, Vector& l) override;
 
   Vector alpha_;
-  Eigen::LLT<Matrix> cholesky_;
+  Cholesky<S> cholesky_;
 };
 
 /// α of each row relative to its own effective inertia 1 / (G M̄⁻¹ Gᵀ)_ii. A step leaves the fraction 1e-8 κ of the
@@ -29,16 +29,23 @@ constexpr double relative_penalty = 1e8;
 template <class S>
 Outcome Augmented<S>::factorise_regularised() {
   alpha_ = S(relative_penalty) * this->delassus_diagonal().cwiseInverse();
-  const auto& G = this->closure_jacobian();
-  cholesky_.compute(this->mass_matrix() + G.transpose() * alpha_.asDiagonal() * G);
-  return cholesky_.info() == Eigen::Success ? Outcome() : this->no_inertia("M̄ + αGᵀG");
+  const Matrix& G = this->closure_jacobian();
+  Matrix alpha_G = G;
+  for (Eigen::Index i = 0; i < G.rows(); ++i) alpha_G.row(i) *= alpha_[i];
+  Matrix matrix = transposed_product(G, alpha_G);
+  matrix += this->mass_matrix();
+  return cholesky_.compute(std::move(matrix)) ? Outcome() : this->no_inertia("M̄ + αGᵀG");
 }
 
 template <class S>
 void Augmented<S>::step(const Vector& p, const Vector& q, Vector& x, Vector& l) {
-  const auto& G = this->closure_jacobian();
-  x = cholesky_.solve(p + G.transpose() * (alpha_.asDiagonal() * q));
-  l = alpha_.asDiagonal() * (q - G * x);
+  const Matrix& G = this->closure_jacobian();
+  x = p;
+  add_transposed_product(G, alpha_.cwiseProduct(q), x);
+  x = cholesky_.solve(x);
+  l = q;
+  subtract_product(G, x, l);
+  l.array() *= alpha_.array();
 }
 
 const Registration registration({.name = "augmented",

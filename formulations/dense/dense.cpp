@@ -3,7 +3,7 @@
 #include "lib/formulation/formulation.h"
 #include "lib/model/paths.h"
 #include "lib/scalar/count_eigen.h"
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/equations.h"
 
@@ -22,8 +22,7 @@ class Dense final : public Formulation<S> {
         closures_(model.closures().rows()),
         mass_matrix_(model.nv(), model.nv()),
         b_(model.nv() + closures_),
-        jacobian_(model),
-        kkt_(closures_ > 0 ? model.nv() + closures_ : 0) {
+        jacobian_(model) {
     start_.reserve(model.bodies() + 1);
     start_.push_back(0);
     for (int i = 0; i < model.bodies(); ++i) start_.push_back(start_.back() + paths_.body_depth(i));
@@ -38,8 +37,8 @@ class Dense final : public Formulation<S> {
   void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override;
 
  private:
-  using Matrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
-  using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1>;
+  using Matrix = DenseMatrix<S>;
+  using Vector = DenseVector<S>;
 
   void form_jacobian(const System<S>& system);
   void form_mass_matrix(const System<S>& system);
@@ -57,7 +56,7 @@ class Dense final : public Formulation<S> {
   ClosureJacobian<S> jacobian_;
   Matrix bordered_;  // [M̄ Gᵀ; G 0], equilibrated
   Vector scale_;
-  Eigen::PartialPivLU<Matrix> kkt_;
+  Lu<S> kkt_;
 };
 
 /// J = B⁻¹ C by forward substitution: the columns of the parent moved outward, and the joint's own.
@@ -101,7 +100,8 @@ void Dense<S>::form_kkt(const System<S>& system) {
   const int nv = this->model().nv();
   bordered_.setConstant(nv + closures_, nv + closures_, S(0.0));
   scale_.setConstant(nv + closures_, S(1.0));
-  bordered_.topLeftCorner(nv, nv) = mass_matrix_.template selfadjointView<Eigen::Lower>();
+  for (int k = 0; k < nv; ++k)
+    for (int l = 0; l <= k; ++l) bordered_(k, l) = bordered_(l, k) = mass_matrix_(k, l);
   for (int k = 0; k < nv; ++k)
     if (const double m = to_double(mass_matrix_(k, k)); m > 0) scale_[k] = S(1.0) / sqrt(mass_matrix_(k, k));
   jacobian_.evaluate(system);
@@ -118,7 +118,7 @@ void Dense<S>::form_kkt(const System<S>& system) {
     }
     scale_[nv + k] = S(1.0) / sqrt(square);
   }
-  bordered_ = scale_.asDiagonal() * bordered_ * scale_.asDiagonal();
+  scale_both_sides(scale_, bordered_);
 }
 
 template <class S>
@@ -128,8 +128,7 @@ Outcome Dense<S>::factorise(const System<S>& system) {
     kkt_.compute(bordered_);
     return {};
   }
-  const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(mass_matrix_);  // in place
-  if (cholesky.info() != Eigen::Success)
+  if (!cholesky_in_place(mass_matrix_))
     return {Status::singular, "Cholesky: M̄ is not positive definite, so some freedom has no inertia at this state"};
   return {};
 }
@@ -140,7 +139,8 @@ void Dense<S>::solve_kkt(const System<S>& system, const RightHandSide<S>& rhs, S
   std::fill(solution.vdot.begin(), solution.vdot.end(), S(0.0));
   closure_accelerations(system, rhs, solution, solution.lambda);  // γ̿ in joint coordinates: â is that at η̇ = 0
   for (int k = 0; k < closures_; ++k) b_[nv + k] = this->closures().independent[k] ? -solution.lambda[k] : S(0.0);
-  const Vector x = scale_.asDiagonal() * kkt_.solve(scale_.asDiagonal() * b_);
+  Vector x = kkt_.solve(Vector(scale_.cwiseProduct(b_)));
+  x.array() *= scale_.array();
   for (int k = 0; k < nv; ++k) solution.vdot[k] = x[k];
   for (int k = 0; k < closures_; ++k) solution.lambda[k] = -x[nv + k];  // M̄ η̇ − Gᵀ λ = b
 }
@@ -159,8 +159,7 @@ void Dense<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, 
   if (closures_ > 0) {
     solve_kkt(system, rhs, solution);
   } else {
-    mass_matrix_.template triangularView<Eigen::Lower>().solveInPlace(b_);
-    mass_matrix_.transpose().template triangularView<Eigen::Upper>().solveInPlace(b_);
+    solve_cholesky_in_place<S>(mass_matrix_, b_);
     for (int k = 0; k < model.nv(); ++k) solution.vdot[k] = b_[k];
   }
   accelerations(system, rhs, solution);

@@ -1,6 +1,6 @@
 
 #include "lib/formulation/reduced_formulation.h"
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 
 namespace lanc {
 namespace {
@@ -19,32 +19,36 @@ class NullSpace final : public ReducedFormulation<S> {
   Outcome factorise_closed(const System<S>& system) override;
   void substitute_closed(const Vector& b, const Vector& gamma, Vector& vdot, Vector& lambda) override;
 
-  Matrix Q_;  // [Q₁ Z], Gᵀ = Q₁ R
-  Matrix R_;
-  Eigen::LLT<Matrix> cholesky_;  // of ZᵀM̄Z
+  Qr<S> qr_;              // of Gᵀ
+  Matrix Q1_, R_;         // Gᵀ = Q₁ R
+  Matrix Z_;              // [Q₁ Z] is orthogonal
+  Cholesky<S> cholesky_;  // of ZᵀM̄Z
 };
 
 template <class S>
 Outcome NullSpace<S>::factorise_closed(const System<S>&) {
-  const Eigen::HouseholderQR<Matrix> qr(this->independent_jacobian().transpose());
   const auto r = static_cast<Eigen::Index>(this->independent_rows().size());
-  Q_ = qr.householderQ();
-  R_ = qr.matrixQR().topRows(r).template triangularView<Eigen::Upper>();
-  if (Q_.cols() == r) return {};  // no freedom is left
-  const auto Z = Q_.rightCols(Q_.cols() - r);
-  cholesky_.compute(Z.transpose() * this->mass_matrix() * Z);
-  return cholesky_.info() == Eigen::Success ? Outcome() : this->no_inertia("ZᵀM̄Z");
+  qr_.compute(this->independent_jacobian().transpose());
+  const Matrix Q = qr_.Q();
+  Q1_ = Q.leftCols(r);
+  R_ = qr_.R(r);
+  Z_ = Q.rightCols(Q.cols() - r);
+  if (Z_.cols() == 0) return {};  // no freedom is left
+  return cholesky_.compute(projected(this->mass_matrix(), Z_)) ? Outcome() : this->no_inertia("ZᵀM̄Z");
 }
 
 template <class S>
 void NullSpace<S>::substitute_closed(const Vector& b, const Vector& gamma, Vector& vdot, Vector& lambda) {
   const std::vector<int>& rows = this->independent_rows();
-  const auto r = static_cast<Eigen::Index>(rows.size());
-  const auto Q1 = Q_.leftCols(r), Z = Q_.rightCols(Q_.cols() - r);
-  const auto R = R_.template triangularView<Eigen::Upper>();
-  vdot = Q1 * R_.transpose().template triangularView<Eigen::Lower>().solve(Vector(-gamma(rows)));
-  if (Z.cols() > 0) vdot += Z * cholesky_.solve(Z.transpose() * (b - this->mass_matrix() * vdot));
-  lambda(rows) = Vector(R.solve(Vector(Q1.transpose() * (this->mass_matrix() * vdot - b))));
+  vdot = product(Q1_, solve_upper_transposed(R_, -chosen(gamma, rows)));  // η̇ = −Q₁ R⁻ᵀ γ̿ + Z z
+  if (Z_.cols() > 0) {                                                    // ZᵀM̄Z z = Zᵀ (b − M̄ η̇)
+    Vector rest = b;
+    subtract_product(this->mass_matrix(), vdot, rest);
+    add_product(Z_, cholesky_.solve(transposed_product(Z_, rest)), vdot);
+  }
+  Vector reaction = product(this->mass_matrix(), vdot);  // Gᵀ λ = M̄ η̇ − b
+  reaction -= b;
+  put(solve_upper(R_, transposed_product(Q1_, reaction)), rows, lambda);
 }
 
 const Registration registration({.name = "nullspace",

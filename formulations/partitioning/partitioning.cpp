@@ -18,23 +18,30 @@ Outcome Partitioning<S>::factorise_closed(const System<S>& system) {
       ++next;
     else
       dependent_.push_back(k);
-  Gd_.compute(G(Eigen::all, dependent_));
+  Gd_.compute(chosen_columns(G, dependent_));
   J_.setConstant(G.cols(), G.cols() - G.rows(), S(0.0));
   if (independent_.empty()) return {};  // no freedom is left
-  for (std::size_t c = 0; c < independent_.size(); ++c) J_(independent_[c], c) = S(1.0);
-  J_(dependent_, Eigen::all) = Matrix(-Gd_.solve(Matrix(G(Eigen::all, independent_))));
-  cholesky_.compute(J_.transpose() * this->mass_matrix() * J_);
-  return cholesky_.info() == Eigen::Success ? Outcome() : this->no_inertia("J*ᵀM̄J*");
+  const Matrix X = Gd_.solve(chosen_columns(G, independent_));
+  for (std::size_t c = 0; c < independent_.size(); ++c) {
+    J_(independent_[c], c) = S(1.0);
+    for (std::size_t k = 0; k < dependent_.size(); ++k) J_(dependent_[k], c) = -X(k, c);
+  }
+  return cholesky_.compute(projected(this->mass_matrix(), J_)) ? Outcome() : this->no_inertia("J*ᵀM̄J*");
 }
 
 template <class S>
 void Partitioning<S>::substitute_closed(const Vector& b, const Vector& gamma, Vector& vdot, Vector& lambda) {
   const std::vector<int>& rows = this->independent_rows();
   vdot.setConstant(S(0.0));
-  vdot(dependent_) = Vector(-Gd_.solve(Vector(gamma(rows))));  // η̿
-  if (!independent_.empty()) vdot += J_ * cholesky_.solve(J_.transpose() * (b - this->mass_matrix() * vdot));
-  const Vector reaction = this->mass_matrix() * vdot - b;  // Gᵀ λ
-  lambda(rows) = Vector(Gd_.transpose().solve(Vector(reaction(dependent_))));
+  put<S>(-Gd_.solve(chosen(gamma, rows)), dependent_, vdot);  // η̿
+  if (!independent_.empty()) {                                // J*ᵀM̄J* ṡ = J*ᵀ (b − M̄ η̿)
+    Vector rest = b;
+    subtract_product(this->mass_matrix(), vdot, rest);
+    add_product(J_, cholesky_.solve(transposed_product(J_, rest)), vdot);
+  }
+  Vector reaction = product(this->mass_matrix(), vdot);  // Gᵀ λ = M̄ η̇ − b
+  reaction -= b;
+  put(Gd_.solve_transposed(chosen(reaction, dependent_)), rows, lambda);
 }
 
 template class Partitioning<double>;

@@ -2,7 +2,7 @@
 
 #include "lib/closure/explicit.h"
 #include "lib/formulation/reduced_formulation.h"
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 
 namespace lanc {
 
@@ -35,9 +35,9 @@ class Partitioning final : public ReducedFormulation<S> {
   ExplicitOptions options_;
   ExplicitClosures choice_;
   std::vector<int> independent_, dependent_;
-  Eigen::PartialPivLU<Matrix> Gd_;
-  Matrix J_;                     // J*
-  Eigen::LLT<Matrix> cholesky_;  // of J*ᵀM̄J*
+  Lu<S> Gd_;
+  Matrix J_;              // J*
+  Cholesky<S> cholesky_;  // of J*ᵀM̄J*
 };
 
 extern template class Partitioning<double>;

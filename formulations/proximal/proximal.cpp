@@ -1,6 +1,6 @@
 
 #include "lib/formulation/reduced_formulation.h"
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 
 namespace lanc {
 namespace {
@@ -21,7 +21,7 @@ class Proximal final : public RegularisedFormulation<S> {
 
   Matrix saddle_;  // equilibrated
   Vector scale_, both_;
-  Eigen::PartialPivLU<Matrix> lu_;
+  Lu<S> lu_;
 };
 
 /// μ over the largest diagonal entry of G M̄⁻¹ Gᵀ.
@@ -42,15 +42,18 @@ Outcome Proximal<S>::factorise_regularised() {
   for (Eigen::Index k = 0; k < n; ++k)
     if (to_double(M(k, k)) > 0) scale_[k] = S(1.0) / sqrt(M(k, k));
   for (Eigen::Index i = 0; i < m; ++i) scale_[n + i] = S(1.0) / sqrt(delassus[i]);
-  saddle_ = (scale_.asDiagonal() * saddle_ * scale_.asDiagonal()).eval();
+  scale_both_sides(scale_, saddle_);
   lu_.compute(saddle_);
   return {};
 }
 
 template <class S>
 void Proximal<S>::step(const Vector& p, const Vector& q, Vector& x, Vector& l) {
-  both_ << p, q;
-  both_ = scale_.asDiagonal() * lu_.solve(scale_.asDiagonal() * both_);
+  both_.head(p.size()) = p;
+  both_.tail(q.size()) = q;
+  both_.array() *= scale_.array();
+  both_ = lu_.solve(both_);
+  both_.array() *= scale_.array();
   x = both_.head(p.size());
   l = -both_.tail(q.size());
 }

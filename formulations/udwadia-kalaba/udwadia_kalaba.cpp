@@ -1,6 +1,6 @@
 
 #include "lib/formulation/reduced_formulation.h"
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 
 namespace lanc {
 namespace {
@@ -22,16 +22,24 @@ class UdwadiaKalaba final : public ReducedFormulation<S> {
 
   // B = P Kᵀ Q₁ᵀ with Kᵀ = W T: two QR factorisations make an orthogonal one, whose pseudo-inverse is Q₁ T⁻¹ Wᵀ Pᵀ
   Matrix L_;
-  Matrix B_;
-  Eigen::ColPivHouseholderQR<Matrix> rows_;  // Bᵀ P = Q [K; 0]
-  Eigen::HouseholderQR<Matrix> columns_;     // Kᵀ = W T
+  Matrix Bt_;          // Bᵀ = L⁻¹ Gᵀ
+  PivotedQr<S> rows_;  // Bᵀ P = Q [K; 0]
+  Qr<S> columns_;      // Kᵀ = W T
+  Matrix T_;
 };
+
+/// x and zeros behind it.
+template <class Vector>
+Vector extended(const Vector& x, Eigen::Index size) {
+  Vector result = Vector::Constant(size, typename Vector::Scalar(0.0));
+  result.head(x.size()) = x;
+  return result;
+}
 
 template <class S>
 Outcome UdwadiaKalaba<S>::factorise_closed(const System<S>&) {
   L_ = this->mass_matrix();
-  const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(L_);  // in place
-  bool regular = cholesky.info() == Eigen::Success;
+  bool regular = cholesky_in_place(L_);
   // a pivot that is a rounding error of what was subtracted in it
   const double rounding = 100 * to_double(Eigen::NumTraits<S>::epsilon());
   for (int k = 0; k < L_.rows() && regular; ++k)
@@ -41,28 +49,26 @@ Outcome UdwadiaKalaba<S>::factorise_closed(const System<S>&) {
             "the mass matrix of the tree that is left without its loops is singular, and Udwadia & Kalaba's equation "
             "divides by it; take one that does not, such as dense, partitioning or nullspace"};
   const auto r = static_cast<Eigen::Index>(this->independent_rows().size());
-  const Matrix Bt = L_.template triangularView<Eigen::Lower>().solve(this->closure_jacobian().transpose());
-  B_ = Bt.transpose();
-  rows_.compute(Bt);
-  const Matrix K = rows_.matrixR().topRows(r).template triangularView<Eigen::Upper>();
-  columns_.compute(K.transpose());
+  Bt_ = solve_lower<S>(L_, this->closure_jacobian().transpose());
+  rows_.compute(Bt_);
+  columns_.compute(rows_.R(r).transpose());
+  T_ = columns_.R(r);
   return {};
 }
 
 template <class S>
 void UdwadiaKalaba<S>::substitute_closed(const Vector& b, const Vector& gamma, Vector& vdot, Vector& lambda) {
   const auto r = static_cast<Eigen::Index>(this->independent_rows().size());
-  const auto T = columns_.matrixQR().topRows(r).template triangularView<Eigen::Upper>();
-  vdot = L_.template triangularView<Eigen::Lower>().solve(b);  // Lᵀ times the acceleration of the tree
-  const Vector open = rows_.colsPermutation().transpose() * Vector(-gamma - B_ * vdot);
-  const Vector along = T.solve(Vector((columns_.householderQ().adjoint() * open).head(r)));
-  Vector correction = Vector::Constant(vdot.size(), S(0.0));
-  correction.head(r) = along;
-  vdot += rows_.householderQ() * correction;
-  vdot = L_.transpose().template triangularView<Eigen::Upper>().solve(vdot).eval();
-  Vector reaction = Vector::Constant(gamma.size(), S(0.0));  // λ = (B⁺)ᵀ times the correction: of minimum norm
-  reaction.head(r) = T.transpose().solve(along);
-  lambda = rows_.colsPermutation() * Vector(columns_.householderQ() * reaction);
+  vdot = solve_lower(L_, b);  // Lᵀ times the acceleration of the tree
+  Vector open = -gamma;
+  subtract_transposed_product(Bt_, vdot, open);
+  // T⁻¹ Wᵀ Pᵀ, then Q₁
+  const Vector along = solve_upper(T_, columns_.times_Q_transposed(rows_.permuted_back(open)).head(r));
+  vdot += rows_.times_Q(extended(along, vdot.size()));
+  vdot = solve_lower_transposed(L_, vdot);
+  // λ = (B⁺)ᵀ times the correction: of minimum norm
+  const Vector reaction = solve_upper_transposed(T_, along);
+  lambda = rows_.permuted(columns_.times_Q(extended(reaction, gamma.size())));
 }
 
 const Registration registration({.name = "udwadia-kalaba",

@@ -19,7 +19,7 @@ namespace lanc {
 namespace {
 
 /// What became of one part over all its starts.
-struct Record {
+struct StartRecord {
   LimitedAttempt best;
   bool flipped = false;
   int starts = 0, start = 0;  // how many, and which was best
@@ -78,8 +78,8 @@ class LimitedAssembler {
     for (std::size_t k = 0; k < where.size(); ++k) state_.q[where[k]] = q[k];
   }
 
-  Record close(int part) {
-    Record record;
+  StartRecord close(int part) {
+    StartRecord record;
     const int starts = loops_.parts()[part].rows.empty() ? 1 : std::max(1, options_.starts);
     for (int start = 0; start < starts && !(record.closed() && start >= options_.compared); ++start) {
       put(part, start_of(part, start));
@@ -98,7 +98,7 @@ class LimitedAssembler {
     return record;
   }
 
-  static bool is_better(const LimitedAttempt& attempt, bool flipped, const Record& record) {
+  static bool is_better(const LimitedAttempt& attempt, bool flipped, const StartRecord& record) {
     constexpr double rounding = 1e-7;  // the same place again is not nearer
     if (attempt.end == LimitedEnd::closed && !flipped)
       return !record.closed() || attempt.distance < record.best.distance * (1 - rounding);
@@ -179,7 +179,7 @@ class LimitedAssembler {
     }
     if (worst < 0) return;
     const LimitedPart& part = loops_.parts()[worst];
-    const Record& record = records_[worst];
+    const StartRecord& record = records_[worst];
     if (record.best.end == LimitedEnd::interrupted) {
       result.status = AssemblyStatus::interrupted;
       result.message = "interrupted";
@@ -215,7 +215,7 @@ class LimitedAssembler {
   LoopSearch search_;
   State<double> given_, state_;
   std::vector<double> preferred_;
-  std::vector<Record> records_;
+  std::vector<StartRecord> records_;
   std::mt19937_64 random_;  // its numbers, unlike those of distributions, are the same everywhere
 };
 

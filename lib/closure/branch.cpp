@@ -176,9 +176,7 @@ std::optional<SingularPoint> locate_singular_point(const Model& model, const Sta
     slope.block(rows, 0, nv, nv) = W;
     slope.block(rows, nv, nv, rows) = G.transpose();
     slope.block(rows + nv, nv, 1, rows) = u.transpose();
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-8);
-    const Eigen::VectorXd move = solver.compute(slope).solve(F);
+    const Eigen::VectorXd move = least_squares(slope, F, 1e-8);
     if (!move.allFinite() || move.head(nv).norm() > 1) return std::nullopt;
     state.q = moved(model, state.q, velocities(model, -move.head(nv)));
     u -= move.tail(rows);

@@ -7,6 +7,7 @@
 #include "lib/closure/rank.h"
 #include "lib/closure/scaling.h"
 #include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/evaluator.h"
 #include "lib/system/mass_matrix.h"
@@ -49,19 +50,19 @@ Independent independent_rows(const Model& model, const ClosureJacobian<double>& 
   return result;
 }
 
-/// Lower factor of the metric in scaled velocities.
+/// Lower factor of the metric in scaled velocities; its upper triangle is not to be read.
 Eigen::MatrixXd metric_factor(const System<double>& system, const ClosureScaling& scaling) {
   const int nv = system.model.nv();
   const std::vector<double> mass = mass_matrix(system);
-  const Eigen::Map<const Eigen::VectorXd> scale(scaling.column.data(), nv);
-  Eigen::MatrixXd M = scale.asDiagonal() * Eigen::Map<const Eigen::MatrixXd>(mass.data(), nv, nv) * scale.asDiagonal();
+  const Eigen::VectorXd scale = Eigen::Map<const Eigen::VectorXd>(scaling.column.data(), nv);
+  Eigen::MatrixXd M = Eigen::Map<const Eigen::MatrixXd>(mass.data(), nv, nv);
+  scale_both_sides(scale, M);
   const double mean = M.trace() / nv;
   if (!(mean > 0) || !(equilibrated_condition({M.data(), M.data() + M.size()}) < 1e12))
     M.diagonal().array() += mean > 0 ? mean : 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(M);
   // indefinite inertias are legal (BodySpec::allow_nonphysical_inertia): no metric, so the plain one
-  if (cholesky.info() != Eigen::Success) return Eigen::MatrixXd::Identity(nv, nv);
-  return cholesky.matrixL();
+  if (!cholesky_in_place(M)) return Eigen::MatrixXd::Identity(nv, nv);
+  return M;
 }
 
 }  // namespace
@@ -88,16 +89,16 @@ VelocityResult consistent_velocities(const Model& model, State<double> state) {
     const Independent independent = independent_rows(model, jacobian, scaling);
     const Eigen::MatrixXd L = metric_factor(*system, scaling);
     // minimum ‖Lᵀ δ‖ with R δ = −Uᵀ residual: Lᵀ δ = Q T⁻ᵀ (…), L⁻¹ Rᵀ = Q T
-    const Eigen::MatrixXd X = L.triangularView<Eigen::Lower>().solve(independent.rows.transpose());
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(X);
-    const Eigen::Index rank = X.cols();
+    Qr<double> qr;
+    qr.compute(solve_lower<double>(L, independent.rows.transpose()));
+    const Eigen::Index rank = independent.rows.rows();
+    const Eigen::MatrixXd T = qr.R(rank);
     for (int pass = 0; pass < 3 && rank > 0; ++pass) {  // the later ones take away rounding errors
-      const Eigen::VectorXd wanted = -(independent.U.transpose() * residual);
+      const Eigen::VectorXd wanted = -transposed_product(independent.U, residual);
       if (pass > 0 && wanted.lpNorm<Eigen::Infinity>() < 1e-15) break;
       Eigen::VectorXd y = Eigen::VectorXd::Zero(nv);
-      y.head(rank) = qr.matrixQR().topRows(rank).triangularView<Eigen::Upper>().transpose().solve(wanted);
-      y.applyOnTheLeft(qr.householderQ());
-      const Eigen::VectorXd change = L.transpose().triangularView<Eigen::Upper>().solve(y);
+      y.head(rank) = solve_upper_transposed(T, wanted);
+      const Eigen::VectorXd change = solve_lower_transposed(L, qr.times_Q(y));
       for (int k = 0; k < nv; ++k) result.state.v[k] += change[k] * scaling.column[k];
       result.changed = std::max(result.changed, change.lpNorm<Eigen::Infinity>());
       system = &evaluator.system(result.state);

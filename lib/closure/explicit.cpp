@@ -8,6 +8,7 @@
 #include "lib/closure/retraction.h"
 #include "lib/closure/scaling.h"
 #include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/equations.h"
 #include "lib/system/evaluator.h"
@@ -56,7 +57,7 @@ void ExplicitClosures::choose(std::vector<int> independent) {
 double ExplicitClosures::condition_of(const Eigen::MatrixXd& G, const std::vector<int>& independent) const {
   if (static_cast<int>(independent.size()) + G.rows() != G.cols()) return std::numeric_limits<double>::infinity();
   if (G.rows() == 0) return 1;
-  const Eigen::MatrixXd Gd = G(Eigen::all, complement(independent, model_.nv()));
+  const Eigen::MatrixXd Gd = chosen_columns(G, complement(independent, model_.nv()));
   const Eigen::VectorXd sigma = singular_values(Gd).sigma;
   const double smallest = sigma[sigma.size() - 1];
   const double largest = std::max(sigma[0], G.rowwise().norm().maxCoeff());
@@ -75,13 +76,14 @@ std::vector<int> ExplicitClosures::best_choice(const Eigen::MatrixXd& G) const {
         fmt::format("{} velocities are no candidates for independent ones, but only {} can depend on others; name at "
                     "least {} candidates",
                     dependent.size(), r, nv - r));
-  Eigen::MatrixXd rest = G(Eigen::all, candidates);
+  Eigen::MatrixXd rest = chosen_columns(G, candidates);
   if (!dependent.empty()) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(G(Eigen::all, dependent));
-    rest = (qr.householderQ().transpose() * rest).eval().bottomRows(more);
+    Qr<double> qr;
+    qr.compute(chosen_columns(G, dependent));
+    rest = transposed_product(qr.Q(), rest).bottomRows(more).eval();
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted(rest);
-  for (int k = 0; k < more; ++k) dependent.push_back(candidates[pivoted.colsPermutation().indices()[k]]);
+  const std::vector<int> order = pivot_order(rest);
+  for (int k = 0; k < more; ++k) dependent.push_back(candidates[order[k]]);
   std::sort(dependent.begin(), dependent.end());
   return complement(dependent, nv);
 }
@@ -122,10 +124,10 @@ const ExplicitConditions& ExplicitClosures::at(const System<double>& system, con
     rhs(r, f + 1) = (gamma[k] + decision.correction[k]) * scaling.row[k];
     ++r;
   }
-  rhs.leftCols(f) = G(Eigen::all, conditions_.independent);
-  const Eigen::MatrixXd Gd = G(Eigen::all, conditions_.dependent);
+  rhs.leftCols(f) = chosen_columns(G, conditions_.independent);
+  const Eigen::MatrixXd Gd = chosen_columns(G, conditions_.dependent);
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Gd.cols(), f + 2);
-  if (Gd.size() > 0) x = -Gd.fullPivLu().solve(rhs);
+  if (Gd.size() > 0) x = -solve_fully_pivoted(Gd, rhs);
   conditions_.J = Eigen::MatrixXd::Zero(nv, f);
   conditions_.eta = conditions_.eta_bias = Eigen::VectorXd::Zero(nv);
   for (int c = 0; c < f; ++c) conditions_.J(conditions_.independent[c], c) = 1;
@@ -157,7 +159,7 @@ std::optional<State<double>> solve_dependent(const Model& model, State<double> s
     if (error == 0 || (error < tolerance && error > last / 2)) return state;
     last = error;
     // all rows: redundant ones agree to first order near a solution, and least squares weighs the rest
-    const Eigen::MatrixXd Gd = scaled_rows(system, all)(Eigen::all, conditions.dependent);
+    const Eigen::MatrixXd Gd = chosen_columns(scaled_rows(system, all), conditions.dependent);
     const SingularValues svd = singular_values(Gd, SingularVectors::thin);
     const int rank = static_cast<int>(conditions.dependent.size());
     if (!(svd.sigma[rank - 1] > 1e-14 * svd.sigma[0])) return std::nullopt;

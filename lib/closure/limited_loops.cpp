@@ -357,9 +357,7 @@ void LimitedLoops::polish(const LimitedPart& part, const std::vector<double>& pr
     const Eigen::MatrixXd G = J(Eigen::all, free);
     const double size = G.colwise().norm().maxCoeff();
     if (size == 0) break;
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(G.rows(), G.cols());
-    decomposition.setThreshold(zero_singular_value * std::max(1.0, 1 / size));
-    const Eigen::VectorXd change = decomposition.compute(G).solve(-c);
+    const Eigen::VectorXd change = least_squares(G, -c, zero_singular_value * std::max(1.0, 1 / size));
     if (!(change.lpNorm<Eigen::Infinity>() <= longest)) break;
     met = false;
     for (std::size_t k = 0; k < free.size(); ++k) {

@@ -56,8 +56,8 @@ class Analysis {
     for (int k = 0; k < left.rows(); ++k)
       if (left.row(k).lpNorm<Eigen::Infinity>() > support) result_.redundant_rows.push_back(k);
     // Rows that the null space can best be expressed by: the rest is independent.
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted(left.transpose());
-    for (int k = 0; k < left.cols(); ++k) result_.removable_rows.push_back(pivoted.colsPermutation().indices()[k]);
+    const std::vector<int> order = pivot_order(left.transpose());
+    result_.removable_rows.assign(order.begin(), order.begin() + left.cols());
     std::sort(result_.removable_rows.begin(), result_.removable_rows.end());
   }
 

@@ -26,9 +26,9 @@ class DenseRowSpace final : public RowSpace {
   void set_rank(int rank) override { rank_ = rank; }
 
   std::vector<int> independent() const override {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(G_.transpose());
-    const auto& order = qr.colsPermutation().indices();
-    return {order.data(), order.data() + rank_};
+    std::vector<int> order = pivot_order(G_.transpose());
+    order.resize(rank_);
+    return order;
   }
 
   VectorXd outside(const VectorXd& x) const override {

@@ -85,14 +85,14 @@ std::vector<Eigen::VectorXd> SecondOrder::zeros_in_plane() const {
     return a.cwiseAbs().maxCoeff() < b.cwiseAbs().maxCoeff();
   });
   // In the axes of the form, λ₀ x² + λ₁ y² = 0.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(*largest);
-  const double a = axes.eigenvalues()[0], b = axes.eigenvalues()[1], scale = std::max(std::abs(a), std::abs(b));
+  const SymmetricEigen axes = symmetric_eigen(*largest);
+  const double a = axes.values[0], b = axes.values[1], scale = std::max(std::abs(a), std::abs(b));
   constexpr double rounding = 1e-9;
   if (a > rounding * scale || b < -rounding * scale) return {};  // definite: no real zero
   const double slope = std::sqrt(std::max(0.0, -a)), other = std::sqrt(std::max(0.0, b));
   std::vector<Eigen::VectorXd> zeros;
   for (const double sign : {1.0, -1.0}) {
-    Eigen::VectorXd x = axes.eigenvectors().col(0) * other + axes.eigenvectors().col(1) * (sign * slope);
+    Eigen::VectorXd x = axes.V.col(0) * other + axes.V.col(1) * (sign * slope);
     x.normalize();
     const bool known = !zeros.empty() && std::abs(std::abs(zeros[0].dot(x)) - 1) < 1e-12;
     const bool shared = std::all_of(forms_.begin(), forms_.end(), [&](const Eigen::MatrixXd& form) {
@@ -122,7 +122,7 @@ std::vector<Eigen::VectorXd> SecondOrder::search_zeros(int starts) const {
       }
       value[m] = 0, slope.row(m) = x.transpose();
       error = value.cwiseAbs().maxCoeff();
-      x -= slope.completeOrthogonalDecomposition().solve(value);
+      x -= least_squares(slope, value);
       if (!x.allFinite() || x.norm() == 0) break;
       x.normalize();
     }

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 #include "lib/system/equations.h"
 
 namespace lanc {
@@ -79,12 +79,16 @@ Outcome ReducedFormulation<S>::factorise(const System<S>& system) {
   for (int k = 0; k < model.closures().rows(); ++k)
     if (this->closures().independent[k]) rows_.push_back(k);
   if (rows_.empty()) {
-    const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(mass_matrix_);  // in place
-    return cholesky.info() == Eigen::Success ? Outcome() : no_inertia("M̄");
+    return cholesky_in_place(mass_matrix_) ? Outcome() : no_inertia("M̄");
   }
   for (int k = 0; k < model.nv(); ++k)
     for (int l = 0; l <= k; ++l) mass_matrix_(l, k) = mass_matrix_(k, l) *= S(scaling_.column[k] * scaling_.column[l]);
   return factorise_closed(system);
+}
+
+template <class S>
+typename ReducedFormulation<S>::Matrix ReducedFormulation<S>::independent_jacobian() const {
+  return chosen_rows(jacobian_, rows_);
 }
 
 /// b = Jᵀ (f̂^tc − M ā) + τ, leaf to root. Leaves ā in the solution.
@@ -118,8 +122,7 @@ template <class S>
 void ReducedFormulation<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   form_b(system, rhs, solution);
   if (rows_.empty()) {
-    mass_matrix_.template triangularView<Eigen::Lower>().solveInPlace(b_);
-    mass_matrix_.transpose().template triangularView<Eigen::Upper>().solveInPlace(b_);
+    solve_cholesky_in_place<S>(mass_matrix_, b_);
     for (int k = 0; k < b_.size(); ++k) solution.vdot[k] = b_[k];
     std::fill(solution.lambda.begin(), solution.lambda.end(), S(0.0));
   } else {
@@ -138,13 +141,17 @@ Outcome RegularisedFormulation<S>::factorise_closed(const System<S>&) {
   const auto r = static_cast<Eigen::Index>(this->independent_rows().size());
   const auto& G = this->closure_jacobian();
   range_.resize(0, 0);
-  if (r < G.rows()) range_ = Eigen::ColPivHouseholderQR<Matrix>(G).householderQ() * Matrix::Identity(G.rows(), r);
+  if (r < G.rows()) {
+    PivotedQr<S> qr;
+    qr.compute(G);
+    range_ = qr.Q(r);
+  }
   return factorise_regularised();
 }
 
 template <class S>
 void RegularisedFormulation<S>::keep_in_range(Vector& rows) const {
-  if (range_.size() > 0) rows = (range_ * (range_.transpose() * rows)).eval();
+  if (range_.size() > 0) rows = product(range_, transposed_product(range_, rows));
 }
 
 template <class S>
@@ -162,12 +169,15 @@ void RegularisedFormulation<S>::substitute_closed(const Vector& b, const Vector&
   bool settled = false;
   double last = std::numeric_limits<double>::infinity();
   for (steps_ = 0; steps_ < most_steps; ++steps_) {
-    q_ = -gamma - G * vdot;
+    q_ = -gamma;
+    subtract_product(G, vdot, q_);
     keep_in_range(q_);
     // what its rounding errors come from; loads that balance leave accelerations of rounding errors alone
     const double size = rows * std::max(largest(vdot), largest(b) / inertia) + largest(gamma);
     if (settled && !(largest(q_) > rounding * size)) break;
-    p_ = b - M * vdot + G.transpose() * lambda;
+    p_ = b;
+    subtract_product(M, vdot, p_);
+    add_transposed_product(G, lambda, p_);
     step(p_, q_, x_, l_);
     vdot += x_;
     lambda += l_;

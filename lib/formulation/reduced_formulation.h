@@ -3,7 +3,7 @@
 //   M̄ η̇ − Gᵀ λ = b,   G η̇ + γ̿ = 0   with M̄ = JᵀMJ + A, b = Jᵀ(f̂^tc − M ā) + τ   (theory, sections 1 and 4)
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "lib/closure/scaling.h"
 #include "lib/formulation/formulation.h"
@@ -40,7 +40,7 @@ class ReducedFormulation : public Formulation<S> {
   const Matrix& mass_matrix() const { return mass_matrix_; }    // M̄, n_η × n_η
   const Matrix& closure_jacobian() const { return jacobian_; }  // G, all rows
   /// G of a set of independent rows, and which they are. Formed anew at every call.
-  Matrix independent_jacobian() const { return jacobian_(rows_, Eigen::all); }
+  Matrix independent_jacobian() const;
   const std::vector<int>& independent_rows() const { return rows_; }
 
   /// What a singular matrix is called that is positive definite for every mechanism that has an answer.

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 #include "lib/system/equations.h"
 
 namespace lanc {
@@ -57,8 +57,7 @@ Outcome TreeFormulation<S>::factorise_closures(const System<S>& system) {
       if (!std::isfinite(to_double(schur_(k, c)))) return {Status::objection, objection};
     }
   }
-  const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(schur_);  // in place
-  if (cholesky.info() != Eigen::Success) return {Status::objection, objection};
+  if (!cholesky_in_place(schur_)) return {Status::objection, objection};
   return {};
 }
 
@@ -75,9 +74,7 @@ template <class S>
 void TreeFormulation<S>::close(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   closure_accelerations(system, rhs, solution, closure_);  // of the open loops
   for (std::size_t k = 0; k < rows_.size(); ++k) lambda_[k] = -closure_[rows_[k]];
-  auto lambda = lambda_.head(rows_.size());
-  schur_.template triangularView<Eigen::Lower>().solveInPlace(lambda);
-  schur_.transpose().template triangularView<Eigen::Upper>().solveInPlace(lambda);
+  solve_cholesky_in_place<S>(schur_, lambda_.head(rows_.size()));
   std::fill(closure_.begin(), closure_.end(), S(0.0));
   for (std::size_t k = 0; k < rows_.size(); ++k) closure_[rows_[k]] = lambda_[k];
   loaded_ = rhs;

@@ -2,15 +2,11 @@
 
 #include <lapacke.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <limits>
 #include <stdexcept>
-
-template class Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
-template class Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>;
-template class Eigen::HouseholderQR<Eigen::MatrixXd>;
-template class Eigen::LLT<Eigen::MatrixXd>;
-template class Eigen::PartialPivLU<Eigen::MatrixXd>;
-template class Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 
 namespace lanc {
 namespace {
@@ -42,6 +38,33 @@ SingularValues decompose(const Eigen::MatrixXd& A, SingularVectors left, Singula
 }
 
 }  // namespace
+
+Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+double reciprocal_condition(const Eigen::MatrixXd& A) { return Eigen::PartialPivLU<Eigen::MatrixXd>(A).rcond(); }
+
+SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& A) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(A);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+Eigen::MatrixXd solve_fully_pivoted(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+  return Eigen::FullPivLU<Eigen::MatrixXd>(A).solve(B);
+}
+
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double zero) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(A.rows(), A.cols());
+  if (zero >= 0) solver.setThreshold(zero);
+  return solver.compute(A).solve(b);
+}
+
+std::vector<int> pivot_order(const Eigen::MatrixXd& A) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
+  const auto& order = qr.colsPermutation().indices();
+  return {order.data(), order.data() + order.size()};
+}
 
 Eigen::VectorXd SingularValues::solve(const Eigen::VectorXd& b, double zero) const {
   const Eigen::Index rank = (sigma.array() > zero).count();

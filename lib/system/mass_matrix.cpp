@@ -1,11 +1,11 @@
 #include "lib/system/mass_matrix.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 #include "lib/system/equations.h"
 
 namespace lanc {
@@ -34,24 +34,33 @@ template std::vector<double> mass_matrix(const System<Count>&);
 
 namespace {
 
-Eigen::Map<const Eigen::MatrixXd> square(const std::vector<double>& matrix) {
+Eigen::MatrixXd square(const std::vector<double>& matrix) {
   const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(static_cast<double>(matrix.size()))));
-  return {matrix.data(), n, n};
+  return Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n);
+}
+
+/// D M D with D = diag(d)^(-1/2), or nothing where M or d cannot be used so.
+std::optional<Eigen::MatrixXd> equilibrated(Eigen::MatrixXd M, const Eigen::MatrixXd& d) {
+  if (!M.allFinite()) return std::nullopt;
+  Eigen::VectorXd scale(M.rows());
+  for (Eigen::Index k = 0; k < M.rows(); ++k) {
+    if (!(d(k, k) > 0)) return std::nullopt;
+    scale[k] = 1 / std::sqrt(d(k, k));
+  }
+  scale_both_sides(scale, M);
+  return M;
 }
 
 }  // namespace
 
 double equilibrated_condition(const std::vector<double>& matrix) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
-  const auto M = square(matrix);
-  const Eigen::Index n = M.rows();
-  if (n == 0) return 1;
-  if (!M.allFinite() || !(M.diagonal().minCoeff() > 0)) return infinite;
-  const Eigen::VectorXd scale = M.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * M * scale.asDiagonal();
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
-  return values[0] > 0 ? values[n - 1] / values[0] : infinite;
+  if (matrix.empty()) return 1;
+  const Eigen::MatrixXd M = square(matrix);
+  const auto scaled = equilibrated(M, M);
+  if (!scaled) return infinite;
+  const Eigen::VectorXd values = symmetric_eigenvalues(*scaled);
+  return values[0] > 0 ? values[values.size() - 1] / values[0] : infinite;
 }
 
 namespace {
@@ -74,17 +83,12 @@ System<S> without_cancellation(System<S> system) {
 
 template <class S>
 bool regular_but_indefinite(const System<S>& system) {
-  const std::vector<double> matrix = mass_matrix(system), bound = mass_matrix(without_cancellation(system));
-  const auto M = square(matrix);
-  const Eigen::Index n = M.rows();
-  if (n == 0 || !M.allFinite() || !(square(bound).diagonal().minCoeff() > 0)) return false;
+  if (system.model.nv() == 0) return false;
   // Units do not matter then, and rounding errors are of the size of ε.
-  const Eigen::VectorXd scale = square(bound).diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * M * scale.asDiagonal();
-  if (Eigen::LLT<Eigen::MatrixXd>(scaled).info() == Eigen::Success) return false;
-  const double noise = 16 * std::numeric_limits<double>::epsilon() * static_cast<double>(n);
-  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(scaled);
-  return scaled.cwiseAbs().maxCoeff() > noise && lu.rcond() > noise;
+  const auto scaled = equilibrated(square(mass_matrix(system)), square(mass_matrix(without_cancellation(system))));
+  if (!scaled || Cholesky<double>().compute(*scaled)) return false;
+  const double noise = 16 * std::numeric_limits<double>::epsilon() * static_cast<double>(scaled->rows());
+  return scaled->cwiseAbs().maxCoeff() > noise && reciprocal_condition(*scaled) > noise;
 }
 
 template bool regular_but_indefinite(const System<double>&);

@@ -19,7 +19,7 @@ namespace lanc {
 namespace {
 
 using Eigen::Matrix3d, Eigen::Vector3d;
-using test::expect_same_motion, test::motion_of_bodies, test::BodyMotion, test::Random;
+using test::expect_same_motion, test::motion_of_bodies, test::WorldMotion, test::Random;
 
 Placement operator*(const Placement& outer, const Placement& inner) {
   return {outer.rotation * inner.rotation, outer.rotation * inner.position + outer.position};
@@ -157,7 +157,7 @@ TEST(JointGraph, any_choice_of_the_cut_gives_the_same_verdict_and_the_same_accel
                                {"slider-crank", slider_crank(), 20, 17, 1, Verdict::overconstrained},
                                {"spatial slider-crank", spatial_slider_crank(), 17, 17, 1, Verdict::regular}};
   for (const Expected& expected : linkages) {
-    std::map<std::string, BodyMotion> reference;
+    std::map<std::string, WorldMotion> reference;
     for (const GraphJointSpec& g : expected.draft.graph.joints) {
       SCOPED_TRACE(std::string(expected.name) + " cut at " + g.joint.name);
       const CutGraph cut = cut_loops(with_cut(expected.draft.graph, g.joint.name, true));

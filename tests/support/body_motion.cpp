@@ -14,13 +14,13 @@ namespace lanc::test {
 
 using Eigen::Vector3d;
 
-std::map<std::string, BodyMotion> motion_of_bodies(const Model& model, const State<double>& state) {
+std::map<std::string, WorldMotion> motion_of_bodies(const Model& model, const State<double>& state) {
   Evaluator<double> evaluator(model);
   const System<double>& system = evaluator.system(state);
   Solution<double> solution(model);
   const Outcome outcome = find_formulation("dense")->create_double(model)->solve(system, solution);
   EXPECT_TRUE(outcome.has_answer()) << to_string(outcome.status) << " " << outcome.message;
-  std::map<std::string, BodyMotion> result;
+  std::map<std::string, WorldMotion> result;
   for (int i = 0; i < model.bodies(); ++i) {
     const BodySpec& body = model.spec().bodies[i];
     const Vector3d r = to_eigen(evaluator.body_rotation(i)) * body.com;
@@ -32,7 +32,7 @@ std::map<std::string, BodyMotion> motion_of_bodies(const Model& model, const Sta
   return result;
 }
 
-void expect_same_motion(const std::map<std::string, BodyMotion>& a, const std::map<std::string, BodyMotion>& b,
+void expect_same_motion(const std::map<std::string, WorldMotion>& a, const std::map<std::string, WorldMotion>& b,
                         double relative) {
   ASSERT_EQ(a.size(), b.size());
   double velocity = 1, acceleration = 1;
@@ -41,7 +41,7 @@ void expect_same_motion(const std::map<std::string, BodyMotion>& a, const std::m
     acceleration = std::max({acceleration, s.acceleration.norm(), s.alpha.norm()});
   }
   for (const auto& [name, s] : a) {
-    const BodyMotion& t = b.at(name);
+    const WorldMotion& t = b.at(name);
     EXPECT_TRUE(within_relative(name + ": centre of mass", (s.com - t.com).norm(), relative, 1));
     EXPECT_TRUE(within_relative(name + ": velocity", (s.velocity - t.velocity).norm(), relative, velocity));
     EXPECT_TRUE(within_relative(name + ": angular velocity", (s.omega - t.omega).norm(), relative, velocity));

@@ -9,15 +9,15 @@
 namespace lanc::test {
 
 /// Of a body: its centre of mass and its turning, in world axes.
-struct BodyMotion {
+struct WorldMotion {
   Eigen::Vector3d com, velocity, acceleration, omega, alpha;
 };
 
 /// All bodies by name, with the accelerations of formulation `dense`, which must have an answer.
-std::map<std::string, BodyMotion> motion_of_bodies(const Model& model, const State<double>& state);
+std::map<std::string, WorldMotion> motion_of_bodies(const Model& model, const State<double>& state);
 
 /// Equal to `relative` of the largest velocity and acceleration (at least 1 m/s, 1 m/s²), and of 1 m.
-void expect_same_motion(const std::map<std::string, BodyMotion>& a, const std::map<std::string, BodyMotion>& b,
+void expect_same_motion(const std::map<std::string, WorldMotion>& a, const std::map<std::string, WorldMotion>& b,
                         double relative);
 
 }  // namespace lanc::test

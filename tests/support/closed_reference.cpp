@@ -16,7 +16,7 @@ using Real = long double;
 using Matrix = ReducedSystem::Matrix;
 using Vector = ReducedSystem::Vector;
 
-Vector six(const Wrench<Real>& f) {
+Vector components(const Wrench<Real>& f) {
   Vector x(6);
   x << f.moment.x, f.moment.y, f.moment.z, f.force.x, f.force.y, f.force.z;
   return x;
@@ -34,9 +34,9 @@ void closure_rows(const System<Real>& system, const ReducedSystem& reduced, Matr
     for (int k = c.row; k < c.row + c.conditions().count; ++k) {
       const auto side = [&](int body, const Wrench<Real>& row) {
         if (body == ground) return;
-        G.row(k) += six(row).transpose() * reduced.J.middleRows(6 * body, 6);
-        gamma[k] += six(row).dot(reduced.bias.segment(6 * body, 6));
-        size[k] += six(row).cwiseAbs().dot(reduced.bias.segment(6 * body, 6).cwiseAbs());
+        G.row(k) += components(row).transpose() * reduced.J.middleRows(6 * body, 6);
+        gamma[k] += components(row).dot(reduced.bias.segment(6 * body, 6));
+        size[k] += components(row).cwiseAbs().dot(reduced.bias.segment(6 * body, 6).cwiseAbs());
       };
       side(c.body_a, system.closure_rows[k].a), side(c.body_b, system.closure_rows[k].b);
     }
@@ -152,7 +152,7 @@ ClosedReference solve_closed_naively(const System<Real>& system) {
     for (int k = 0; k < rows; ++k)
       if (std::abs(U0(k, mode)) > 1e-9L) result.unique_row[k] = false;
     for (int i = 0; i < model.bodies(); ++i) {
-      const Vector f = six(s.wrench[i]);
+      const Vector f = components(s.wrench[i]);
       for (int c = 0; c < 6; ++c)
         if (std::abs(f[c]) * (c < 3 ? 1 : model.length()) > 1e-9L) result.unique[i][c] = false;
     }

@@ -1,0 +1,312 @@
+#include "lib/solve/dense_algebra.h"
+
+#include <Eigen/Cholesky>
+
+namespace lanc {
+namespace {
+
+template <class S>
+auto lower(const DenseMatrix<S>& L) {
+  return L.template triangularView<Eigen::Lower>();
+}
+
+template <class S>
+auto upper(const DenseMatrix<S>& R) {
+  return R.template triangularView<Eigen::Upper>();
+}
+
+}  // namespace
+
+template <class S>
+DenseMatrix<S> product(const DenseMatrix<S>& A, const DenseMatrix<S>& B) {
+  return A * B;
+}
+
+template <class S>
+DenseVector<S> product(const DenseMatrix<S>& A, VectorArgument<S> x) {
+  return A * x;
+}
+
+template <class S>
+DenseMatrix<S> transposed_product(const DenseMatrix<S>& A, const DenseMatrix<S>& B) {
+  return A.transpose() * B;
+}
+
+template <class S>
+DenseVector<S> transposed_product(const DenseMatrix<S>& A, VectorArgument<S> x) {
+  return A.transpose() * x;
+}
+
+template <class S>
+DenseMatrix<S> projected(const DenseMatrix<S>& A, const DenseMatrix<S>& Z) {
+  return product(transposed_product(Z, A), Z);
+}
+
+template <class S>
+void add_product(const DenseMatrix<S>& A, VectorArgument<S> x, DenseVector<S>& y) {
+  y.noalias() += A * x;
+}
+
+template <class S>
+void subtract_product(const DenseMatrix<S>& A, VectorArgument<S> x, DenseVector<S>& y) {
+  y.noalias() -= A * x;
+}
+
+template <class S>
+void add_transposed_product(const DenseMatrix<S>& A, VectorArgument<S> x, DenseVector<S>& y) {
+  y.noalias() += A.transpose() * x;
+}
+
+template <class S>
+void subtract_transposed_product(const DenseMatrix<S>& A, VectorArgument<S> x, DenseVector<S>& y) {
+  y.noalias() -= A.transpose() * x;
+}
+
+template <class S>
+void scale_both_sides(const DenseVector<S>& d, DenseMatrix<S>& A) {
+  for (Eigen::Index c = 0; c < A.cols(); ++c)
+    for (Eigen::Index r = 0; r < A.rows(); ++r) A(r, c) = d[r] * A(r, c) * d[c];
+}
+
+template <class S>
+DenseMatrix<S> solve_lower(const DenseMatrix<S>& L, const DenseMatrix<S>& B) {
+  DenseMatrix<S> X = B;
+  lower(L).solveInPlace(X);
+  return X;
+}
+
+template <class S>
+DenseVector<S> solve_lower(const DenseMatrix<S>& L, VectorArgument<S> b) {
+  DenseVector<S> x = b;
+  lower(L).solveInPlace(x);
+  return x;
+}
+
+template <class S>
+DenseVector<S> solve_lower_transposed(const DenseMatrix<S>& L, VectorArgument<S> b) {
+  DenseVector<S> x = b;
+  L.transpose().template triangularView<Eigen::Upper>().solveInPlace(x);
+  return x;
+}
+
+template <class S>
+DenseVector<S> solve_upper(const DenseMatrix<S>& R, VectorArgument<S> b) {
+  DenseVector<S> x = b;
+  upper(R).solveInPlace(x);
+  return x;
+}
+
+template <class S>
+DenseVector<S> solve_upper_transposed(const DenseMatrix<S>& R, VectorArgument<S> b) {
+  DenseVector<S> x = b;
+  R.transpose().template triangularView<Eigen::Lower>().solveInPlace(x);
+  return x;
+}
+
+template <class S>
+bool cholesky_in_place(DenseMatrix<S>& A) {
+  return Eigen::LLT<Eigen::Ref<DenseMatrix<S>>>(A).info() == Eigen::Success;
+}
+
+template <class S>
+void solve_cholesky_in_place(const DenseMatrix<S>& L, Eigen::Ref<DenseVector<S>> b) {
+  lower(L).solveInPlace(b);
+  L.transpose().template triangularView<Eigen::Upper>().solveInPlace(b);
+}
+
+template <class S>
+bool Cholesky<S>::compute(DenseMatrix<S> A) {
+  L_ = std::move(A);
+  return cholesky_in_place(L_);
+}
+
+template <class S>
+DenseVector<S> Cholesky<S>::solve(DenseVector<S> b) const {
+  solve_cholesky_in_place<S>(L_, b);
+  return b;
+}
+
+template <class S>
+void Lu<S>::compute(const DenseMatrix<S>& A) {
+  lu_.compute(A);
+}
+
+template <class S>
+DenseMatrix<S> Lu<S>::solve(const DenseMatrix<S>& B) const {
+  return lu_.solve(B);
+}
+
+template <class S>
+DenseVector<S> Lu<S>::solve(const DenseVector<S>& b) const {
+  return lu_.solve(b);
+}
+
+template <class S>
+DenseVector<S> Lu<S>::solve_transposed(const DenseVector<S>& b) const {
+  return lu_.transpose().solve(b);
+}
+
+template <class S>
+void Qr<S>::compute(const DenseMatrix<S>& A) {
+  qr_.compute(A);
+}
+
+template <class S>
+DenseMatrix<S> Qr<S>::Q() const {
+  return qr_.householderQ();
+}
+
+template <class S>
+DenseMatrix<S> Qr<S>::R(Eigen::Index r) const {
+  return qr_.matrixQR().topRows(r).template triangularView<Eigen::Upper>();
+}
+
+template <class S>
+DenseVector<S> Qr<S>::times_Q(const DenseVector<S>& x) const {
+  return qr_.householderQ() * x;
+}
+
+template <class S>
+DenseVector<S> Qr<S>::times_Q_transposed(const DenseVector<S>& x) const {
+  return qr_.householderQ().adjoint() * x;
+}
+
+template <class S>
+void PivotedQr<S>::compute(const DenseMatrix<S>& A) {
+  qr_.compute(A);
+}
+
+template <class S>
+DenseMatrix<S> PivotedQr<S>::Q(Eigen::Index r) const {
+  DenseMatrix<S> Q = DenseMatrix<S>::Identity(qr_.rows(), r);
+  Q.applyOnTheLeft(qr_.householderQ());
+  return Q;
+}
+
+template <class S>
+DenseMatrix<S> PivotedQr<S>::R(Eigen::Index r) const {
+  return qr_.matrixR().topRows(r).template triangularView<Eigen::Upper>();
+}
+
+template <class S>
+DenseVector<S> PivotedQr<S>::times_Q(const DenseVector<S>& x) const {
+  return qr_.householderQ() * x;
+}
+
+template <class S>
+DenseVector<S> PivotedQr<S>::permuted(const DenseVector<S>& x) const {
+  return qr_.colsPermutation() * x;
+}
+
+template <class S>
+DenseVector<S> PivotedQr<S>::permuted_back(const DenseVector<S>& x) const {
+  return qr_.colsPermutation().transpose() * x;
+}
+
+template <class S>
+DenseVector<S> chosen(const DenseVector<S>& x, const std::vector<int>& which) {
+  DenseVector<S> result(which.size());
+  for (std::size_t k = 0; k < which.size(); ++k) result[k] = x[which[k]];
+  return result;
+}
+
+template <class S>
+DenseMatrix<S> chosen_columns(const DenseMatrix<S>& A, const std::vector<int>& which) {
+  DenseMatrix<S> result(A.rows(), which.size());
+  for (std::size_t k = 0; k < which.size(); ++k)
+    for (Eigen::Index r = 0; r < A.rows(); ++r) result(r, k) = A(r, which[k]);
+  return result;
+}
+
+template <class S>
+DenseMatrix<S> chosen_rows(const DenseMatrix<S>& A, const std::vector<int>& which) {
+  DenseMatrix<S> result(which.size(), A.cols());
+  for (Eigen::Index c = 0; c < A.cols(); ++c)
+    for (std::size_t k = 0; k < which.size(); ++k) result(k, c) = A(which[k], c);
+  return result;
+}
+
+template <class S>
+void put(VectorArgument<S> x, const std::vector<int>& which, DenseVector<S>& y) {
+  for (std::size_t k = 0; k < which.size(); ++k) y[which[k]] = x[k];
+}
+
+template DenseMatrix<double> product(const DenseMatrix<double>&, const DenseMatrix<double>&);
+template DenseMatrix<long double> product(const DenseMatrix<long double>&, const DenseMatrix<long double>&);
+template DenseMatrix<Count> product(const DenseMatrix<Count>&, const DenseMatrix<Count>&);
+template DenseVector<double> product(const DenseMatrix<double>&, VectorArgument<double>);
+template DenseVector<long double> product(const DenseMatrix<long double>&, VectorArgument<long double>);
+template DenseVector<Count> product(const DenseMatrix<Count>&, VectorArgument<Count>);
+template DenseMatrix<double> transposed_product(const DenseMatrix<double>&, const DenseMatrix<double>&);
+template DenseMatrix<long double> transposed_product(const DenseMatrix<long double>&, const DenseMatrix<long double>&);
+template DenseMatrix<Count> transposed_product(const DenseMatrix<Count>&, const DenseMatrix<Count>&);
+template DenseVector<double> transposed_product(const DenseMatrix<double>&, VectorArgument<double>);
+template DenseVector<long double> transposed_product(const DenseMatrix<long double>&, VectorArgument<long double>);
+template DenseVector<Count> transposed_product(const DenseMatrix<Count>&, VectorArgument<Count>);
+template DenseMatrix<double> projected(const DenseMatrix<double>&, const DenseMatrix<double>&);
+template DenseMatrix<long double> projected(const DenseMatrix<long double>&, const DenseMatrix<long double>&);
+template DenseMatrix<Count> projected(const DenseMatrix<Count>&, const DenseMatrix<Count>&);
+template void add_product(const DenseMatrix<double>&, VectorArgument<double>, DenseVector<double>&);
+template void add_product(const DenseMatrix<long double>&, VectorArgument<long double>, DenseVector<long double>&);
+template void add_product(const DenseMatrix<Count>&, VectorArgument<Count>, DenseVector<Count>&);
+template void subtract_product(const DenseMatrix<double>&, VectorArgument<double>, DenseVector<double>&);
+template void subtract_product(const DenseMatrix<long double>&, VectorArgument<long double>, DenseVector<long double>&);
+template void subtract_product(const DenseMatrix<Count>&, VectorArgument<Count>, DenseVector<Count>&);
+template void add_transposed_product(const DenseMatrix<double>&, VectorArgument<double>, DenseVector<double>&);
+template void subtract_transposed_product(const DenseMatrix<double>&, VectorArgument<double>, DenseVector<double>&);
+template void add_transposed_product(const DenseMatrix<long double>&, VectorArgument<long double>,
+                                     DenseVector<long double>&);
+template void subtract_transposed_product(const DenseMatrix<long double>&, VectorArgument<long double>,
+                                          DenseVector<long double>&);
+template void add_transposed_product(const DenseMatrix<Count>&, VectorArgument<Count>, DenseVector<Count>&);
+template void subtract_transposed_product(const DenseMatrix<Count>&, VectorArgument<Count>, DenseVector<Count>&);
+template void scale_both_sides(const DenseVector<double>&, DenseMatrix<double>&);
+template void scale_both_sides(const DenseVector<long double>&, DenseMatrix<long double>&);
+template void scale_both_sides(const DenseVector<Count>&, DenseMatrix<Count>&);
+template DenseMatrix<double> solve_lower(const DenseMatrix<double>&, const DenseMatrix<double>&);
+template DenseMatrix<long double> solve_lower(const DenseMatrix<long double>&, const DenseMatrix<long double>&);
+template DenseMatrix<Count> solve_lower(const DenseMatrix<Count>&, const DenseMatrix<Count>&);
+template DenseVector<double> solve_lower(const DenseMatrix<double>&, VectorArgument<double>);
+template DenseVector<long double> solve_lower(const DenseMatrix<long double>&, VectorArgument<long double>);
+template DenseVector<Count> solve_lower(const DenseMatrix<Count>&, VectorArgument<Count>);
+template DenseVector<double> solve_lower_transposed(const DenseMatrix<double>&, VectorArgument<double>);
+template DenseVector<long double> solve_lower_transposed(const DenseMatrix<long double>&, VectorArgument<long double>);
+template DenseVector<Count> solve_lower_transposed(const DenseMatrix<Count>&, VectorArgument<Count>);
+template DenseVector<double> solve_upper(const DenseMatrix<double>&, VectorArgument<double>);
+template DenseVector<long double> solve_upper(const DenseMatrix<long double>&, VectorArgument<long double>);
+template DenseVector<Count> solve_upper(const DenseMatrix<Count>&, VectorArgument<Count>);
+template DenseVector<double> solve_upper_transposed(const DenseMatrix<double>&, VectorArgument<double>);
+template DenseVector<long double> solve_upper_transposed(const DenseMatrix<long double>&, VectorArgument<long double>);
+template DenseVector<Count> solve_upper_transposed(const DenseMatrix<Count>&, VectorArgument<Count>);
+template bool cholesky_in_place(DenseMatrix<double>&);
+template bool cholesky_in_place(DenseMatrix<long double>&);
+template bool cholesky_in_place(DenseMatrix<Count>&);
+template void solve_cholesky_in_place(const DenseMatrix<double>&, Eigen::Ref<DenseVector<double>>);
+template void solve_cholesky_in_place(const DenseMatrix<long double>&, Eigen::Ref<DenseVector<long double>>);
+template void solve_cholesky_in_place(const DenseMatrix<Count>&, Eigen::Ref<DenseVector<Count>>);
+template DenseVector<double> chosen(const DenseVector<double>&, const std::vector<int>&);
+template DenseVector<long double> chosen(const DenseVector<long double>&, const std::vector<int>&);
+template DenseVector<Count> chosen(const DenseVector<Count>&, const std::vector<int>&);
+template DenseMatrix<double> chosen_columns(const DenseMatrix<double>&, const std::vector<int>&);
+template DenseMatrix<long double> chosen_columns(const DenseMatrix<long double>&, const std::vector<int>&);
+template DenseMatrix<Count> chosen_columns(const DenseMatrix<Count>&, const std::vector<int>&);
+template DenseMatrix<double> chosen_rows(const DenseMatrix<double>&, const std::vector<int>&);
+template DenseMatrix<long double> chosen_rows(const DenseMatrix<long double>&, const std::vector<int>&);
+template DenseMatrix<Count> chosen_rows(const DenseMatrix<Count>&, const std::vector<int>&);
+template void put(VectorArgument<double>, const std::vector<int>&, DenseVector<double>&);
+template void put(VectorArgument<long double>, const std::vector<int>&, DenseVector<long double>&);
+template void put(VectorArgument<Count>, const std::vector<int>&, DenseVector<Count>&);
+template class Cholesky<double>;
+template class Cholesky<long double>;
+template class Cholesky<Count>;
+template class Lu<double>;
+template class Lu<long double>;
+template class Lu<Count>;
+template class Qr<double>;
+template class Qr<long double>;
+template class Qr<Count>;
+template class PivotedQr<double>;
+template class PivotedQr<long double>;
+template class PivotedQr<Count>;
+
+}  // namespace lanc
