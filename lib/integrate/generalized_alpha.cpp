@@ -7,7 +7,7 @@
 
 #include "lib/integrate/coordinates.h"
 #include "lib/integrate/residual_form.h"
-#include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 
 namespace lanc {
 namespace {
@@ -132,7 +132,7 @@ class GeneralizedAlpha : public Stepper {
   bool started_ = false;
   Eigen::VectorXd vdot_, a_, lambda_;
   double power_ = 0;
-  Eigen::PartialPivLU<Eigen::MatrixXd> iteration_;
+  Lu<double> iteration_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "lib/integrate/derivatives.h"
 #include "lib/integrate/motion_solver.h"
 #include "lib/solve/dense.h"
+#include "lib/solve/dense_algebra.h"
 #include "lib/solve/eigenvalues.h"
 #include "lib/system/equations.h"
 #include "lib/system/mass_matrix.h"
@@ -51,7 +52,8 @@ Departures departures(const Model& model, const System<double>& system, const Cl
   const auto of = [&](const Matrix& all) { return Matrix(all(rows, Eigen::all)); };
   const Matrix velocity = of(d.velocity), acceleration = of(d.acceleration);
   const Matrix G = velocity.rightCols(nv);
-  const Eigen::PartialPivLU<Matrix> dependent(Matrix(G(Eigen::all, conditions.dependent)));
+  Lu<double> dependent;
+  dependent.compute(G(Eigen::all, conditions.dependent));
   const auto solve = [&](const Matrix& rhs) {
     Matrix x = Matrix::Zero(nv, f);
     x(conditions.dependent, Eigen::all) = -dependent.solve(rhs);
@@ -139,8 +141,7 @@ Unbalance unbalance(const Model& model, const State<double>& state, const Eigen:
   const std::vector<double> still(model.nv(), 0.0);
   if (model.has_closures()) {  // the multipliers that balance best
     const Matrix G = differentiator.at(state, still, lambda, counts).velocity.rightCols(model.nv());
-    const Eigen::VectorXd best =
-        Matrix(scale.asDiagonal() * G.transpose()).completeOrthogonalDecomposition().solve(scale.cwiseProduct(r));
+    const Eigen::VectorXd best = least_squares(scale.asDiagonal() * G.transpose(), scale.cwiseProduct(r));
     lambda.assign(best.begin(), best.end());
   }
   const MotionDerivatives& d = differentiator.at(state, still, lambda, counts);
@@ -157,18 +158,18 @@ Unbalance unbalance(const Model& model, const State<double>& state, const Eigen:
 
 /// The step −K⁻¹ force; `downhill`: with |eigenvalues| of the symmetric part, small ones raised.
 Eigen::VectorXd newton_step(const Unbalance& u, bool downhill) {
-  if (!downhill) return u.stiffness.completeOrthogonalDecomposition().solve(u.force);
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen((u.stiffness + u.stiffness.transpose()) / 2);
-  const double largest = eigen.eigenvalues().cwiseAbs().maxCoeff();
-  const Eigen::VectorXd steep = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6 * largest);
-  return eigen.eigenvectors() * (eigen.eigenvectors().transpose() * u.force).cwiseQuotient(steep);
+  if (!downhill) return least_squares(u.stiffness, u.force);
+  const SymmetricEigen eigen = symmetric_eigen((u.stiffness + u.stiffness.transpose()) / 2);
+  const double largest = eigen.values.cwiseAbs().maxCoeff();
+  const Eigen::VectorXd steep = eigen.values.cwiseAbs().cwiseMax(1e-6 * largest);
+  return eigen.V * (eigen.V.transpose() * u.force).cwiseQuotient(steep);
 }
 
 /// The direction in which the potential falls most steeply from a state of rest, if it falls at all.
 std::optional<Eigen::VectorXd> unstable(const Unbalance& u) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen((u.stiffness + u.stiffness.transpose()) / 2);
-  if (!(eigen.eigenvalues()[0] < -1e-9 * eigen.eigenvalues().cwiseAbs().maxCoeff())) return std::nullopt;
-  return eigen.eigenvectors().col(0);
+  const SymmetricEigen eigen = symmetric_eigen((u.stiffness + u.stiffness.transpose()) / 2);
+  if (!(eigen.values[0] < -1e-9 * eigen.values.cwiseAbs().maxCoeff())) return std::nullopt;
+  return eigen.V.col(0);
 }
 
 }  // namespace

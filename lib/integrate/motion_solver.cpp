@@ -46,7 +46,9 @@ Outcome MotionSolver::solve(const State<double>& state, double alpha) {
   evaluate(state);
   if (alpha > 0) evaluator_.stabilise(alpha);
   ++counts_.rates;
-  return formulation_->solve(*system_, solution_, policy_);
+  Outcome outcome = formulation_->solve(*system_, solution_, policy_);
+  if (model_.has_closures() && outcome.rank > 0) sigma_ = outcome.sigma;
+  return outcome;
 }
 
 Power MotionSolver::power() { return lanc::power(evaluator_, *system_, state_, loads_, solution_); }

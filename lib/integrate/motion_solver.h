@@ -2,6 +2,7 @@
 // Private to lib/integrate.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ class MotionSolver {
   double position_violation() const;
   double velocity_violation() const;
 
+  /// σ_r of the held rank at the last solve(), scaled; the largest number there is without loops.
+  double sigma() const { return sigma_; }
   /// Of the last solve().
   const System<double>& system() const { return *system_; }
   const Solution<double>& solution() const { return solution_; }
@@ -57,6 +60,7 @@ class MotionSolver {
   ClosureScaling scaling_;
   std::unique_ptr<Formulation<double>> formulation_;
   RankPolicy policy_;
+  double sigma_ = std::numeric_limits<double>::max();
   const System<double>* system_ = nullptr;
   State<double> state_;
   Solution<double> solution_, change_;

@@ -34,7 +34,7 @@ Outcome ResidualForm::start(const State<double>& state, Eigen::VectorXd& vdot, E
   const Eigen::MatrixXd G = columns(rows_, Eigen::all);
   const Eigen::Map<const Eigen::VectorXd> all(solution.lambda.data(), static_cast<Eigen::Index>(solution.lambda.size()));
   lambda = none;
-  if (rows() > 0) lambda = G.transpose().colPivHouseholderQr().solve(columns.transpose() * all);
+  if (rows() > 0) lambda = least_squares(G.transpose(), columns.transpose() * all);
   return outcome_;
 }
 

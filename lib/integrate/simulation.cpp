@@ -41,7 +41,8 @@ struct Simulation::Parts {
   std::unique_ptr<MotionForm> form;
   std::unique_ptr<Stepper> stepper;
   double start_energy = 0;
-  StepperCounts steps_before;        // of earlier parts of this run
+  std::vector<PassedStep> passed;  // the last three
+  StepperCounts steps_before;      // of earlier parts of this run
   MotionCounts evaluations_before;
 
   Parts(const Model& m, SimulationOptions o) : model(m), options(std::move(o)) {
@@ -92,6 +93,7 @@ Outcome Simulation::begin(const State<double>& start) {
   Outcome outcome = s.solver->hold(start, s.options.singular == SingularPolicy::pass);
   if (!outcome.usable()) return outcome;
   s.start_energy = s.energy_at(start).total();
+  s.passed.clear();
   s.build({start, 0}, {}, 0);
   return outcome;
 }
@@ -105,6 +107,7 @@ Outcome Simulation::resume(const Checkpoint& checkpoint) {
   s.start_energy = checkpoint.start_energy;
   s.steps_before = checkpoint.steps;
   s.evaluations_before = checkpoint.evaluations;
+  s.passed = checkpoint.passed;
   s.build(checkpoint.point, checkpoint.independent, checkpoint.next_step);
   return {};
 }
@@ -112,14 +115,67 @@ Outcome Simulation::resume(const Checkpoint& checkpoint) {
 Checkpoint Simulation::renew() {
   Parts& s = *parts_;
   Checkpoint checkpoint{point(),     s.stepper->next_step(), s.start_energy, s.solver->policy().rank,
-                        s.form->independent(), steps(), evaluations()};
+                        s.form->independent(), s.passed, steps(), evaluations()};
   (void)resume(checkpoint);
   return checkpoint;
 }
 
+namespace {
+
+/// The smallest σ_r that a motion comes to between two instants, and when: golden section, the way there by small steps.
+std::pair<double, double> weakest(MotionSolver& solver, const MotionPoint& from, double end) {
+  const auto sigma = [&](double t) {
+    FullCoordinates form(solver, Stabilisation::projection, 0);
+    const std::unique_ptr<Stepper> stepper =
+        find_integrator("rk4").create(form, {.step = std::max((t - from.state.t) / 4, 1e-300)});
+    std::vector<double> y(form.size());
+    form.pack(from, y.data());
+    stepper->start(from.state.t, y);
+    while (stepper->t() < t)
+      if (!stepper->step(t)) return 0.0;  // too near to be evaluated
+    (void)solver.solve(form.unpack(t, stepper->y().data()).state);
+    return solver.sigma();
+  };
+  const double ratio = (std::sqrt(5.0) - 1) / 2;
+  double a = from.state.t, b = end, c = b - ratio * (b - a), d = a + ratio * (b - a), fc = sigma(c), fd = sigma(d);
+  for (int k = 0; k < 45 && fc > 0 && fd > 0; ++k)
+    if (fc < fd)
+      b = d, d = c, fd = fc, c = b - ratio * (b - a), fc = sigma(c);
+    else
+      a = c, c = d, fc = fd, d = a + ratio * (b - a), fd = sigma(d);
+  return fc < fd ? std::pair(c, fc) : std::pair(d, fd);
+}
+
+}  // namespace
+
+/// Steps pass over the instant at which the rank drops; σ_r before and behind tells.
+Outcome Simulation::watch_rank() {
+  Parts& s = *parts_;
+  if (!s.model.has_closures() || s.options.singular == SingularPolicy::pass) return {};
+  const MotionPoint here = point();
+  if (s.integrator->holds_closures) (void)s.solver->solve(here.state);
+  s.passed.push_back({here, s.solver->sigma()});
+  if (s.passed.size() > 3) s.passed.erase(s.passed.begin());
+  if (s.passed.size() < 3) return {};
+  const double before = s.passed[0].sigma, middle = s.passed[1].sigma, behind = s.passed[2].sigma;
+  // a dip that may reach zero between the steps, as |t − t*| does
+  if (!(middle <= before && middle <= behind && middle < before - middle + behind - middle)) return {};
+  const auto [t, sigma] = weakest(*s.solver, s.passed[0].point, here.state.t);
+  constexpr double zero = 1e-6;
+  if (sigma > zero) return {};
+  Outcome outcome;
+  outcome.status = Status::singular;
+  outcome.rank = s.solver->policy().rank;
+  outcome.message = fmt::format(
+      "singular configuration at t = {:.9g} s: the rank of the closure conditions drops below {} for a moment, and "
+      "which way the motion goes on is not determined by them; the policy 'pass' goes on with the present velocities",
+      t, outcome.rank);
+  return outcome;
+}
+
 Outcome Simulation::step(double limit) {
   Parts& s = *parts_;
-  if (s.stepper->step(limit)) return {};
+  if (s.stepper->step(limit)) return watch_rank();
   Outcome outcome = s.form->outcome();
   if (outcome.usable()) outcome = {Status::not_converged, s.stepper->message()};
   outcome.message = fmt::format("t = {:.9g} s: {}", s.stepper->t(), outcome.message);

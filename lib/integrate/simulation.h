@@ -48,6 +48,12 @@ struct Instant {
   double choice_condition = 0;                                                        // of G^d; NaN: no choice
 };
 
+/// A step that was taken, and how far from singular the closure conditions were at its end.
+struct PassedStep {
+  MotionPoint point;
+  double sigma = 0;  // σ_r
+};
+
 /// Everything a run has to remember to go on the same way, bit by bit.
 struct Checkpoint {
   MotionPoint point;
@@ -55,6 +61,7 @@ struct Checkpoint {
   double start_energy = 0;     // J
   int rank = -1;               // held
   std::vector<int> independent;
+  std::vector<PassedStep> passed;  // the last ones
   StepperCounts steps;
   MotionCounts evaluations;
 };
@@ -90,6 +97,7 @@ class Simulation {
   std::span<const IndependentChange> changes() const;
 
  private:
+  Outcome watch_rank();
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
