@@ -13,7 +13,7 @@
 namespace lanc {
 namespace {
 
-std::string contents(const std::string& path) {
+std::string file_contents(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(Place{path}, "this file cannot be read");
   return {std::istreambuf_iterator<char>(in), {}};
@@ -30,7 +30,7 @@ double number(const std::string& text, const std::string& path, int line) {
 /// Comments begin with #; then the header, then a value a line.
 std::vector<ReferenceValue> read_values(const std::string& path) {
   static const std::vector<std::string> header = {"t", "quantity", "value", "tolerance", "factor", "origin"};
-  const std::string text = contents(path);
+  const std::string text = file_contents(path);
   std::vector<ReferenceValue> values;
   bool begun = false;
   int line = 0;
@@ -71,7 +71,7 @@ std::vector<std::string> texts(const TomlTable& table, std::string_view key) {
 
 std::vector<ReferenceProblem> read_reference_problems(const std::string& data) {
   const std::string path = data + "/reference/problems.toml";
-  const toml::table source = parse_toml(contents(path), path);
+  const toml::table source = parse_toml(file_contents(path), path);
   static constexpr std::string_view top[] = {"problem"};
   static constexpr std::string_view keys[] = {"number", "name",      "source", "model",
                                               "end",    "reference", "points", "tests"};

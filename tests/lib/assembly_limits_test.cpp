@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <numbers>
 
 #include "lib/closure/scaling.h"
 #include "lib/io/mechanism.h"
+#include "lib/solve/dense.h"
 #include "lib/solve/ipopt.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/evaluator.h"
@@ -104,9 +104,7 @@ Stationarity stationarity(const Model& model, const LimitedAssemblyResult& resul
       A(c, k) = jacobian.values()[p] * scaling.row[k] * scaling.column[c];
     }
   for (int i = 0; i < limits; ++i) A(velocity_of[result.reached[i].coordinate], m + i) = 1;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(A);
-  decomposition.setThreshold(1e-10);
-  const Eigen::VectorXd multiplier = decomposition.solve(gradient);
+  const Eigen::VectorXd multiplier = least_squares(A, gradient, 1e-10);
   Stationarity s;
   s.gradient = gradient.norm();
   s.rest = (gradient - A * multiplier).norm();

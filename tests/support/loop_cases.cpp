@@ -1,8 +1,7 @@
 #include "tests/support/loop_cases.h"
 
-#include <Eigen/QR>
-
 #include "lib/io/mechanism.h"
+#include "lib/solve/dense.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/evaluator.h"
 
@@ -22,10 +21,7 @@ void make_consistent(Case& c) {
       G(k, jacobian.columns()[p]) = jacobian.values()[p];
     rate[k] = system.closure_rows[k].rate;
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-10);
-  solver.compute(G);
-  Eigen::Map<Eigen::VectorXd>(c.state.v.data(), c.model.nv()) -= solver.solve(rate);
+  Eigen::Map<Eigen::VectorXd>(c.state.v.data(), c.model.nv()) -= least_squares(G, rate, 1e-10);
 }
 
 struct Vertex {
