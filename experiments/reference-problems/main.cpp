@@ -41,8 +41,8 @@ std::vector<ReferenceProblem> chosen_problems(const Options& options, bool quick
   return list;
 }
 
-/// With --integrators everything that goes together; without, each formulation with the default integrator and
-/// projection, and the recursive formulation with each pair.
+/// With --integrators everything that goes together; without, each formulation with the best integrator there is and
+/// minimal coordinates, which pass singular positions best, and the recursive formulation with each pair.
 std::vector<Way> ways(const Experiment& e, const Options& options, const ReferenceProblem& problem, const Model& model) {
   std::vector<Way> list;
   const auto add = [&](const FormulationInfo* f, const std::pair<std::string, std::string>& pair) {
@@ -61,7 +61,7 @@ std::vector<Way> ways(const Experiment& e, const Options& options, const Referen
     return list;
   }
   const std::string best = pairs_of("erk8", "*", loops).empty() ? "rk4" : "erk8";
-  const std::string standard(to_string(loops ? Stabilisation::projection : Stabilisation::none));
+  const std::string standard(to_string(loops ? Stabilisation::minimal : Stabilisation::none));
   for (const FormulationInfo* f : e.formulations()) add(f, {best, standard});
   if (!e.options().quick)
     for (const FormulationInfo* f : e.formulations())

@@ -157,6 +157,12 @@ class Run {
   }
 
   void write_end(const Outcome& outcome) {
+    if (!outcome.usable() && input_.out != "-") {
+      const State<double> state = began() ? simulation_.point().state : input_.state;
+      const nlohmann::ordered_json document = {{"t", state.t}, {"q", state.q}, {"v", state.v}};
+      replace_file(std::filesystem::path(input_.out).replace_extension(".state.json"), document.dump(1) + "\n");
+    }
+    if (!began()) return;
     const StepperCounts steps = simulation_.steps();
     const MotionCounts evaluations = simulation_.evaluations();
     const auto count = [&](const char* what, long value) {
@@ -169,13 +175,7 @@ class Run {
                                 count("jacobians", evaluations.jacobians),
                                 count("kinematics", evaluations.kinematics),
                                 count("dual_kinematics", evaluations.dual_kinematics)};
-    const double t = outcome.usable() || began() ? simulation_.t() : input_.state.t;
-    if (began()) report_.write(cell(t, "end"), list);
-    if (!outcome.usable() && input_.out != "-") {
-      const State<double> state = began() ? simulation_.point().state : input_.state;
-      const nlohmann::ordered_json document = {{"t", state.t}, {"q", state.q}, {"v", state.v}};
-      replace_file(std::filesystem::path(input_.out).replace_extension(".state.json"), document.dump(1) + "\n");
-    }
+    report_.write(cell(simulation_.t(), "end"), list);
   }
 
   bool began() const { return simulation_.begun(); }

@@ -224,7 +224,8 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
       decision.held ? largest_contradiction + spread * std::max(decision.position_violation, decision.velocity_violation)
                     : largest_contradiction;
   // what is dropped on the way through a singular configuration is not obeyed there
-  if (decision.held && decision.rank < policy.rank)
+  decision.dropped = decision.held && decision.rank < policy.rank;
+  if (decision.dropped)
     decision.tolerated_contradiction = std::numeric_limits<double>::infinity();
   return decision;
 }

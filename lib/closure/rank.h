@@ -45,6 +45,7 @@ struct ClosureDecision {
   double contradiction = 0;                               // relative, see largest_contradiction
   double tolerated_contradiction = largest_contradiction;
   bool held = false;                                      // the rank was given
+  bool dropped = false;                                   // and is lower here: weak conditions count as none
   int worst_row = -1;                                     // that violates or contradicts most
   std::vector<char> independent;                          // per row: one of a well-conditioned set of `rank` rows
   std::vector<double> correction;  // to be added to γ̿, which makes the conditions consistent (least squares)

@@ -122,7 +122,8 @@ const RightHandSide<S>& Formulation<S>::consistent(const System<S>& system) {
 
 template <class S>
 void Formulation<S>::settle_reactions(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
-  if (!rank_ || closures().redundant == 0) return;
+  // where weak conditions were dropped, others' multipliers would not do quite the same in their place
+  if (!rank_ || closures().redundant == 0 || closures().dropped) return;
   rank_->minimum_norm(solution.lambda);
   wrenches(system, rhs, solution);
 }

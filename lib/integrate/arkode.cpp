@@ -87,6 +87,9 @@ std::unique_ptr<Stepper> create(MotionForm& form, const StepperOptions& options,
 std::unique_ptr<Stepper> create_erk5(MotionForm& form, const StepperOptions& options) {
   return create(form, options, {.explicit_table = ARKODE_DORMAND_PRINCE_7_4_5});
 }
+std::unique_ptr<Stepper> create_erk6(MotionForm& form, const StepperOptions& options) {
+  return create(form, options, {.explicit_table = ARKODE_VERNER_8_5_6});
+}
 std::unique_ptr<Stepper> create_erk8(MotionForm& form, const StepperOptions& options) {
   return create(form, options, {.explicit_table = ARKODE_FEHLBERG_13_7_8});
 }

@@ -4,7 +4,7 @@
 
 namespace lanc {
 
-Evaluation evaluation_of(const Outcome& outcome) {
+Evaluation evaluation_of(const Outcome& outcome, const RankPolicy& policy) {
   switch (outcome.status) {
     case Status::solved:
     case Status::redundant:
@@ -13,6 +13,8 @@ Evaluation evaluation_of(const Outcome& outcome) {
     case Status::not_finite:
     case Status::inconsistent:
       return Evaluation::retry;
+    case Status::singular:
+      return policy.smallest > 0 ? Evaluation::retry : Evaluation::stop;
     default:
       return Evaluation::stop;
   }
@@ -62,7 +64,7 @@ Evaluation FullCoordinates::rate(double t, const double* y, double* ydot) {
   State<double> state = unpack(t, y).state;
   outcome_ = solve(state);
   counts_ = solver_.counts();
-  if (!outcome_.usable()) return evaluation_of(outcome_);
+  if (!outcome_.usable()) return evaluation_of(outcome_, solver_.policy());
   coordinate_rates(solver_.model(), state.q.data(), state.v.data(), ydot);
   std::copy(solver_.solution().vdot.begin(), solver_.solution().vdot.end(), ydot + nq_);
   ydot[nq_ + nv_] = solver_.power().total();
@@ -74,7 +76,7 @@ Evaluation FullCoordinates::rate(double t, const double* y, double* ydot) {
 Evaluation FullCoordinates::jacobian(double t, const double* y, double* J) {
   State<double> state = unpack(t, y).state;
   outcome_ = solve(state);
-  if (!outcome_.usable()) return evaluation_of(outcome_);
+  if (!outcome_.usable()) return evaluation_of(outcome_, solver_.policy());
   const MotionDerivatives& d =
       differentiator_.at(state, solver_.solution().vdot, solver_.solution().lambda, solver_.counts());
   const int n = size();

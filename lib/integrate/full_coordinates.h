@@ -33,7 +33,8 @@ class FullCoordinates : public OdeForm {
   Solution<double> answer_;
 };
 
-/// How an integrator takes the outcome of an evaluation inside of a step.
-Evaluation evaluation_of(const Outcome& outcome);
+/// How an integrator takes the outcome of an evaluation inside of a step. On the way through a singular configuration
+/// (RankPolicy::smallest) a shorter step may have no stage in it.
+Evaluation evaluation_of(const Outcome& outcome, const RankPolicy& policy);
 
 }  // namespace lanc

@@ -37,6 +37,7 @@ class Ida : public Stepper {
     if (!started_) return;
     rows_ = form_.rows();
     size_ = form_.size() + 2 * rows_;
+    const double relative = sundials::of_single_numbers(options_.tolerance, size_);
     for (sundials::Vector* v : {&x_, &xdot_, &kind_, &tolerance_}) *v = sundials::make_vector(context_, size_);
     Vector x = map(x_.get()), xdot = map(xdot_.get()), kind = map(kind_.get()), tolerance = map(tolerance_.get());
     x.setZero(), xdot.setZero();
@@ -47,12 +48,12 @@ class Ida : public Stepper {
     xdot[nq_ + nv_] = form_.residual(point.state, vdot, lambda).power;
     kind.setOnes();
     kind.tail(2 * rows_).setZero();
-    tolerance = options_.tolerance * Eigen::VectorXd::Ones(size_);
+    tolerance = relative * Eigen::VectorXd::Ones(size_);
     for (int k = 0; k < form_.size(); ++k) tolerance[k] *= form_.scale()[k];
     // algebraic: no part of the error test, only of Newton's
     const double force = std::max(1.0, lambda.size() > 0 ? lambda.cwiseAbs().maxCoeff() : 0.0);
     tolerance.segment(form_.size(), rows_) *= 1e3 * force;
-    create();
+    create(relative);
   }
 
   bool step(double limit) override {
@@ -84,13 +85,13 @@ class Ida : public Stepper {
  private:
   static Vector map(N_Vector v) { return {sundials::data(v), N_VGetLength(v)}; }
 
-  void create() {
+  void create(double relative) {
     if (memory_) IDAFree(&memory_);
     memory_ = sundials::needed(IDACreate(context_.get()));
     IDASetErrHandlerFn(memory_, &sundials::keep_message, &library_message_);
     IDAInit(memory_, &residual, t_, x_.get(), xdot_.get());
     IDASetUserData(memory_, this);
-    IDASVtolerances(memory_, options_.tolerance, tolerance_.get());
+    IDASVtolerances(memory_, relative, tolerance_.get());
     IDASetId(memory_, kind_.get());
     IDASetSuppressAlg(memory_, SUNTRUE);
     IDASetMaxNumSteps(memory_, sundials::most_steps);

@@ -11,9 +11,10 @@ class OdeStepper : public Stepper {
  public:
   OdeStepper(OdeForm& form, const StepperOptions& options)
       : form_(form), options_(options), context_(sundials::make_context()) {
+    options_.tolerance = sundials::of_single_numbers(options.tolerance, form.size());
     vector_ = sundials::make_vector(context_, form.size());
     tolerance_ = sundials::make_vector(context_, form.size());
-    for (int k = 0; k < form.size(); ++k) sundials::data(tolerance_.get())[k] = options.tolerance * form.scale()[k];
+    for (int k = 0; k < form.size(); ++k) sundials::data(tolerance_.get())[k] = options_.tolerance * form.scale()[k];
   }
 
  protected:

@@ -6,6 +6,8 @@
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <new>
 #include <string>
@@ -58,6 +60,12 @@ struct Newton {
 /// Keeps the last complaint instead of writing it on stderr; for the ...SetErrHandlerFn functions, `user` the string.
 inline void keep_message(int /*code*/, const char* /*module*/, const char* /*function*/, char* message, void* user) {
   *static_cast<std::string*>(user) = message;
+}
+
+/// SUNDIALS' norm is a mean over all numbers of y; a single one in a large mechanism must count as much as in a small
+/// one.
+inline double of_single_numbers(double tolerance, int size) {
+  return std::max(tolerance / std::sqrt(static_cast<double>(size)), 1e-15);
 }
 
 constexpr long most_steps = 2000000000;  // nobody but the user ends a run

@@ -70,7 +70,7 @@ class Child {
 };
 
 Words arguments(const std::string& integrator, const std::filesystem::path& out, bool resume = false) {
-  Words words = {"four-bar-ladder:3:angle=0.4", "--integrator", integrator, "--step", "1e-3", "--tolerance", "1e-9",
+  Words words = {"four-bar-ladder:3:angle=2.6:rate=0.5", "--integrator", integrator, "--step", "1e-3", "--tolerance", "1e-9",
                  "--end", "4", "--interval", "0.01", "--checkpoint-every", "10", "--quiet", "--out", out};
   if (resume) words.push_back("--resume");
   return words;
@@ -157,13 +157,13 @@ TEST(Simulate, refuses_what_it_cannot_do) {
   for (const auto& [words, message] : std::vector<Case>{
            {{"chain:2", "--end", "-1"}, "is not after the start"},
            {{"chain:2", "--integrator", "leapfrog"}, "there is no integrator 'leapfrog'; choose from"},
-           {{"four-bar-ladder:1:angle=0.4", "--stabilisation", "glue"}, "there is no stabilisation 'glue'"},
+           {{"four-bar-ladder:1:angle=2.6:rate=0.5", "--stabilisation", "glue"}, "there is no stabilisation 'glue'"},
            {{"chain:2", "--point", "P=b9:0,0,0"}, "there is no body 'b9'"},
            {{"chain:2", "--point", "P=b1:0,0"}, "three numbers are needed"},
            {{"chain:2", "--stop-when", "q.j1=2"}, "'QUANTITY<VALUE'"},
            {{"chain:2", "--stop-when", "q.j7>2"}, "there is no quantity 'q.j7'"},
            {{"chain:2", "--singular", "jump"}, "choose stop or pass"},
-           {{"four-bar-ladder:1:angle=0.4", "--stabilisation", "minimal", "--independent", "nobody"},
+           {{"four-bar-ladder:1:angle=2.6:rate=0.5", "--stabilisation", "minimal", "--independent", "nobody"},
             "there is no velocity 'nobody'"}}) {
     Words all = words;
     all.insert(all.end(), {"--quiet", "--out", out});
@@ -175,7 +175,7 @@ TEST(Simulate, refuses_what_it_cannot_do) {
 
 TEST(Simulate, ends_with_the_reason_and_the_state_where_a_status_ends_the_run) {
   const std::filesystem::path out = folder() / "open.csv";
-  const Finished r = run("simulate", {"four-bar-ladder:1:angle=0.4", "--q", "0.4,0.1,0.2", "--out", out, "--quiet"});
+  const Finished r = run("simulate", {"four-bar-ladder:1:angle=2.6:rate=0.5", "--q", "0.4,0.1,0.2", "--out", out, "--quiet"});
   EXPECT_EQ(r.exit_code, 1);
   EXPECT_NE(r.out.find("inconsistent"), std::string::npos) << r.out;
   EXPECT_TRUE(std::filesystem::exists(folder() / "open.state.json"));

@@ -49,7 +49,7 @@ bool with_sundials() {
 
 TEST(Integrators, with_fixed_steps_have_their_order) {
   // Euler parameters, a free body and a loop, so that every part of a step must have it
-  for (const char* model : {"chain:3:joint=spherical", "chain:2:joint=free", "four-bar-ladder:1:angle=0.4"}) {
+  for (const char* model : {"chain:3:joint=spherical", "chain:2:joint=free", "four-bar-ladder:1:angle=2.6:rate=0.5"}) {
     const Mechanism m = load_mechanism(model);
     const std::string stabilisation = m.model.has_closures() ? "projection" : "none";
     const State<double> exact = at_end(m, ways("recursive", "rk4", stabilisation, 0, 1.25e-4), 0.5).point.state;
@@ -63,7 +63,7 @@ TEST(Integrators, with_fixed_steps_have_their_order) {
 }
 
 TEST(Integrators, all_go_the_same_way) {
-  for (const char* model : {"chain:3:joint=spherical", "random:6:seed=4:driven=no", "four-bar-ladder:2:angle=0.4",
+  for (const char* model : {"chain:3:joint=spherical", "random:6:seed=4:driven=no", "four-bar-ladder:2:angle=2.6:rate=0.5",
                             "random-loops:1:seed=3"}) {
     const Mechanism m = load_mechanism(model);
     const bool loops = m.model.has_closures();
@@ -146,7 +146,7 @@ TEST(Energy, is_balanced_by_work_on_every_model) {
 }
 
 TEST(Stabilisation, holds_what_it_promises) {
-  const Mechanism m = load_mechanism("four-bar-ladder:2:angle=0.4:cut=hinge");
+  const Mechanism m = load_mechanism("four-bar-ladder:2:angle=2.6:rate=0.5:cut=hinge");
   const auto violation = [&](const char* name) {
     return at_end(m, ways("recursive", "rk4", name, 0, 5e-3), 3).position_violation;
   };
@@ -159,7 +159,7 @@ TEST(Stabilisation, holds_what_it_promises) {
 }
 
 TEST(Stabilisation, projects_with_every_formulation_to_the_same_motion) {
-  const Mechanism m = load_mechanism("four-bar-ladder:2:angle=0.4:cut=weld");
+  const Mechanism m = load_mechanism("four-bar-ladder:2:angle=2.6:rate=0.5:cut=weld");
   const State<double> expected = at_end(m, ways("recursive", "rk4", "projection", 0, 2e-2), 1).point.state;
   for (const FormulationInfo& info : formulations()) {
     if (!info.create_double || info.objection(m.model)) continue;
@@ -201,7 +201,7 @@ TEST(Singular, positions_stop_a_run_or_are_passed) {
 }
 
 TEST(Checkpoints, lead_to_the_same_numbers_bit_by_bit) {
-  for (const char* model : {"random:6:seed=4:driven=no", "four-bar-ladder:2:angle=0.4"}) {
+  for (const char* model : {"random:6:seed=4:driven=no", "four-bar-ladder:2:angle=2.6:rate=0.5"}) {
     const Mechanism m = load_mechanism(model);
     const std::string stabilisation = m.model.has_closures() ? "projection" : "none";
     for (const IntegratorInfo& info : integrators()) {
@@ -223,7 +223,7 @@ TEST(Checkpoints, lead_to_the_same_numbers_bit_by_bit) {
 }
 
 TEST(Options, that_do_not_go_together_are_refused_with_the_reason) {
-  const Mechanism m = load_mechanism("four-bar-ladder:1:angle=0.4");
+  const Mechanism m = load_mechanism("four-bar-ladder:1:angle=2.6:rate=0.5");
   const auto refusal = [&](const SimulationOptions& options) -> std::string {
     try {
       Simulation simulation(m.model, options);

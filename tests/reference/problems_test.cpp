@@ -104,7 +104,7 @@ TEST_P(Solved, to_its_accuracy_by_every_family) {
     for (const char* name : names) {
       const FormulationInfo* info = find_formulation(name);
       ASSERT_NE(info, nullptr) << name;
-      const Way way{info, "erk8", mechanism.model.has_closures() ? "projection" : "none"};
+      const Way way{info, "erk8", mechanism.model.has_closures() ? "minimal" : "none"};
       const Comparison c = compare(*problem, mechanism, way.options(1e-12, 0));
       EXPECT_TRUE(c.outcome.usable()) << family << ": " << c.outcome.message;
       EXPECT_LE(c.worst, 1) << family << ": " << c.worst_quantity << " at t = " << c.worst_t;
