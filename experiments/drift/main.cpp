@@ -52,9 +52,9 @@ Outcome follow(Experiment& e, const std::string& name, const Mechanism& m, const
 }
 
 void run(Experiment& e, const Options& options) {
-  TextTable table({"model", "formulation", "integrator", "stabilisation", "status", "violation", "of velocities",
-                   "energy drift"},
-                  5);
+  TextTable table(
+      {"model", "formulation", "integrator", "stabilisation", "status", "violation", "of velocities", "energy drift"},
+      5);
   for (const std::string& name : e.models()) {
     const Mechanism m = e.load(name);
     for (const FormulationInfo* f : e.formulations()) {

@@ -55,8 +55,8 @@ StateOutput tell(const StateInput& input, const State<double>& state, const Outc
                            {"eigenvalues", eigenvalues}};
     return {json_text(document), outcome.usable() ? 0 : 1};
   }
-  std::string text = fmt::format("status {}{}{}\n", to_string(outcome.status), outcome.message.empty() ? "" : ": ",
-                                 outcome.message);
+  std::string text =
+      fmt::format("status {}{}{}\n", to_string(outcome.status), outcome.message.empty() ? "" : ": ", outcome.message);
   const std::vector<std::string> positions = input.model.position_names();
   for (std::size_t k = 0; k < positions.size(); ++k) text += fmt::format("q.{} = {:.15g}\n", positions[k], state.q[k]);
   if (!outcome.usable()) return {text, 1};
@@ -100,9 +100,9 @@ int main(int argc, char** argv) {
                              "Small motions about a state: M, C and K in independent coordinates, and eigenvalues.\n"
                              "Exit code 0 only when solved (or redundant), 1 for any other status, 2 for bad input.",
                              false);
-  program.option("--equilibrium", rest,
-                 "no: about the state given; nearest: about the state of rest nearby; stable: a minimum of the potential");
+  program.option(
+      "--equilibrium", rest,
+      "no: about the state given; nearest: about the state of rest nearby; stable: a minimum of the potential");
   program.option("--independent", independent, "velocities to be independent, commas between (default: the best)");
-  return program.run(argc, argv,
-                     [&](const lanc::StateInput& input) { return run(input, rest, independent); });
+  return program.run(argc, argv, [&](const lanc::StateInput& input) { return run(input, rest, independent); });
 }

@@ -36,14 +36,15 @@ std::vector<ReferenceProblem> chosen_problems(const Options& options, bool quick
     if (asked && (!quick || options.problems != "*" || in_quick)) list.push_back(std::move(problem));
   }
   if (list.empty())
-    throw InputError(fmt::format("--problems '{}' matches nothing; there are {}", options.problems,
-                                 fmt::join(names, ", ")));
+    throw InputError(
+        fmt::format("--problems '{}' matches nothing; there are {}", options.problems, fmt::join(names, ", ")));
   return list;
 }
 
 /// With --integrators everything that goes together; without, each formulation with the best integrator there is and
 /// minimal coordinates, which pass singular positions best, and the recursive formulation with each pair.
-std::vector<Way> ways(const Experiment& e, const Options& options, const ReferenceProblem& problem, const Model& model) {
+std::vector<Way> ways(const Experiment& e, const Options& options, const ReferenceProblem& problem,
+                      const Model& model) {
   std::vector<Way> list;
   const auto add = [&](const FormulationInfo* f, const std::pair<std::string, std::string>& pair) {
     const Way way{f, pair.first, pair.second, find_integrator(pair.first).fixed_step};

@@ -63,7 +63,8 @@ std::optional<Checkpoint> read_checkpoint(const std::string& csv, const Model& m
       c.passed.push_back({read_motion_point(step, model), step.at("sigma")});
     return c;
   } catch (const std::exception& error) {
-    throw InputError(Place{name}, fmt::format("this checkpoint cannot be read ({}); run without --resume", error.what()));
+    throw InputError(Place{name},
+                     fmt::format("this checkpoint cannot be read ({}); run without --resume", error.what()));
   }
 }
 

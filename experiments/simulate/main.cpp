@@ -58,17 +58,20 @@ int main(int argc, char** argv) {
   program.option("--end", options.end, {-1e12, 1e12}, "time at which to end, s");
   program.option("--interval", options.interval, {1e-12, 1e12}, "time between rows of output, s");
   program.option("--tolerance", simulation.tolerance, {1e-16, 1}, "of the error estimate, relative and absolute");
-  program.option("--step", simulation.step, {1e-12, 1e12}, "of integrators with fixed steps, s; the interval is divided");
+  program.option("--step", simulation.step, {1e-12, 1e12},
+                 "of integrators with fixed steps, s; the interval is divided");
   program.option("--baumgarte-time", simulation.baumgarte_time, {0, 1e12},
                  "1/alpha, s; 0: ten fixed steps, or a twentieth of sqrt(length/gravity)");
   program.option("--singular", singular, "where the rank drops: stop, or pass");
   program.list("--independent", independent, "velocity that may be independent (minimal); repeatable; default: all");
-  program.list("--point", points, "NAME=BODY:x,y,z: a point to be traced, body axes, from the reference point; repeatable");
+  program.list("--point", points,
+               "NAME=BODY:x,y,z: a point to be traced, body axes, from the reference point; repeatable");
   program.flag("--accelerations", options.quantities.accelerations, "also accelerations of coordinates and points");
   program.flag("--bodies", options.quantities.bodies, "also angular velocities of bodies");
   program.flag("--reactions", options.quantities.reactions, "also wrenches of joints, and forces of drives");
   program.flag("--multipliers", options.quantities.multipliers, "also multipliers of closure conditions");
-  program.list("--stop-when", options.stop_when, "'QUANTITY<VALUE' or 'QUANTITY>VALUE', by a metric's name; repeatable");
+  program.list("--stop-when", options.stop_when,
+               "'QUANTITY<VALUE' or 'QUANTITY>VALUE', by a metric's name; repeatable");
   program.option("--checkpoint-every", options.checkpoint_every, {1, 1e9}, "rows of output between two checkpoints");
   program.flag("--resume", options.resume, "go on from the last checkpoint of an interrupted run");
   program.flag("--quiet", options.quiet, "no progress on stderr");
@@ -80,15 +83,16 @@ int main(int argc, char** argv) {
       throw InputError(fmt::format("--end {} is not after the start, t = {}", options.end, input.state.t));
     const IntegratorInfo& integrator = find_integrator(simulation.integrator);
     // so that every row is at the end of a step
-    if (integrator.fixed_step) simulation.step = options.interval / std::ceil(options.interval / simulation.step - 1e-9);
+    if (integrator.fixed_step)
+      simulation.step = options.interval / std::ceil(options.interval / simulation.step - 1e-9);
     if (!input.model.has_closures() || integrator.holds_closures)
       simulation.stabilisation = to_string(Stabilisation::none);
     simulation.candidates = candidates(input.model, independent);
     for (const std::string& text : points) options.quantities.points.push_back(read_point(input.model, text));
-    options.parameters = fmt::format("integrator={};stabilisation={};{}", simulation.integrator,
-                                     simulation.stabilisation,
-                                     integrator.fixed_step ? fmt::format("step={}", simulation.step)
-                                                           : fmt::format("tolerance={}", simulation.tolerance));
+    options.parameters =
+        fmt::format("integrator={};stabilisation={};{}", simulation.integrator, simulation.stabilisation,
+                    integrator.fixed_step ? fmt::format("step={}", simulation.step)
+                                          : fmt::format("tolerance={}", simulation.tolerance));
     return run(input, options);
   });
 }

@@ -34,7 +34,8 @@ class Run {
     progress_.start(rows);
     if (outcome.usable()) outcome = write_instant();
     std::int64_t row = 0;
-    if (began()) row = rows_done(), last_ = simulation_.renew();
+    if (began()) row = rows_done();
+    if (began() && row == 0) last_ = simulation_.renew();
     while (outcome.usable() && row < rows && !met_) {
       progress_.advance(row, fmt::format("t = {:.6g} s", simulation_.t()));
       ++row;
@@ -80,20 +81,19 @@ class Run {
             {"checkpoint-every", std::to_string(options_.checkpoint_every)},
             {"candidates", text(options_.simulation.candidates)},
             {"points", points},
-            {"quantities", fmt::format("{}{}{}{}", int(q.accelerations), int(q.reactions), int(q.multipliers),
-                                       int(q.bodies))},
+            {"quantities",
+             fmt::format("{}{}{}{}", int(q.accelerations), int(q.reactions), int(q.multipliers), int(q.bodies))},
             {"stop-when", fmt::format("{}", fmt::join(options_.stop_when, " "))}};
   }
 
   Outcome begin() {
     if (options_.resume)
-      if (const auto checkpoint = read_checkpoint(input_.out, input_.model)) return simulation_.resume(*checkpoint);
+      if (const auto checkpoint = read_checkpoint(input_.out, input_.model))
+        return simulation_.resume(last_ = *checkpoint);
     return simulation_.begin(input_.state);
   }
 
-  std::int64_t rows_done() const {
-    return std::llround((simulation_.t() - input_.state.t) / options_.interval);
-  }
+  std::int64_t rows_done() const { return std::llround((simulation_.t() - input_.state.t) / options_.interval); }
 
   Cell cell(double t, const std::string& event = {}) const {
     Cell cell;
@@ -175,7 +175,8 @@ class Run {
                                 count("jacobians", evaluations.jacobians),
                                 count("kinematics", evaluations.kinematics),
                                 count("dual_kinematics", evaluations.dual_kinematics)};
-    report_.write(cell(simulation_.t(), "end"), list);
+    const Cell where = cell(simulation_.t(), "end");
+    if (!report_.has(where)) report_.write(where, list);
   }
 
   bool began() const { return simulation_.begun(); }
@@ -191,13 +192,15 @@ class Run {
     const MotionCounts evaluations = simulation_.evaluations();
     text += fmt::format("t = {:.9g} s after {} steps ({} rejected), {} evaluations, {} Jacobians\n", simulation_.t(),
                         steps.steps, steps.rejected, evaluations.rates, evaluations.jacobians);
-    text += fmt::format("largest energy drift {:.3g} J (beyond the work of drives, loads, dampers and friction: {:.6g} J "
-                        "at the end)\n",
-                        drift_, simulation_.point().work);
+    text += fmt::format(
+        "largest energy drift {:.3g} J (beyond the work of drives, loads, dampers and friction: {:.6g} J "
+        "at the end)\n",
+        drift_, simulation_.point().work);
     if (input_.model.has_closures())
-      text += fmt::format("rank {} of {} closure conditions held; largest violation {:.2g} (model lengths, radians){}\n",
-                          simulation_.held_rank(), input_.model.closures().rows(), violation_,
-                          changes_ > 0 ? fmt::format("; independent velocities changed {} times", changes_) : "");
+      text +=
+          fmt::format("rank {} of {} closure conditions held; largest violation {:.2g} (model lengths, radians){}\n",
+                      simulation_.held_rank(), input_.model.closures().rows(), violation_,
+                      changes_ > 0 ? fmt::format("; independent velocities changed {} times", changes_) : "");
     return text;
   }
 

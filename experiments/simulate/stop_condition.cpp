@@ -10,9 +10,10 @@ namespace lanc {
 StopCondition read_stop_condition(const std::string& text) {
   const std::size_t sign = text.find_first_of("<>");
   if (sign == text.npos || sign == 0)
-    throw InputError(fmt::format("--stop-when '{}' is not of the form 'QUANTITY<VALUE' or 'QUANTITY>VALUE', for "
-                                 "example 'q.j1>1.5'",
-                                 text));
+    throw InputError(
+        fmt::format("--stop-when '{}' is not of the form 'QUANTITY<VALUE' or 'QUANTITY>VALUE', for "
+                    "example 'q.j1>1.5'",
+                    text));
   const std::vector<double> value = read_numbers("--stop-when", text.substr(sign + 1));
   if (value.size() != 1) throw InputError(fmt::format("--stop-when '{}': one number is needed", text));
   std::string quantity = text.substr(0, sign);

@@ -21,7 +21,7 @@ std::string slug(const ReferenceProblem& problem) { return problem.reference.sub
 
 std::vector<ReferenceProblem> chosen_problems(const Options& options, bool quick) {
   // one of each kind: a tree, redundant and singular loops, a stiff tree, fast and slow loops, a driven one
-  static const std::vector<std::string> standard = {"a01",     "a02-2",   "a04",         "a05",
+  static const std::vector<std::string> standard = {"a01",     "a02-2",    "a04",         "a05",
                                                     "andrews", "car-axis", "slider-crank"};
   std::vector<ReferenceProblem> list;
   for (ReferenceProblem& problem : read_reference_problems(LANC_DATA_DIR)) {
@@ -37,7 +37,8 @@ std::vector<ReferenceProblem> chosen_problems(const Options& options, bool quick
   return list;
 }
 
-void measure(Experiment& e, const ReferenceProblem& problem, const Mechanism& m, const Way& way, int level, bool& worth) {
+void measure(Experiment& e, const ReferenceProblem& problem, const Mechanism& m, const Way& way, int level,
+             bool& worth) {
   // levels 1e-3 .. 1e-12; fixed steps from a hundred on, doubled each time
   const double tolerance = std::pow(10.0, -3 - level), step = problem.end / (100 * std::pow(2.0, level));
   const Cell cell = e.cell(slug(problem), m.model, std::string(way.formulation->name),
@@ -52,12 +53,13 @@ void measure(Experiment& e, const ReferenceProblem& problem, const Mechanism& m,
   std::sort(times.begin(), times.end());
   const std::string status(to_string(c.outcome.status));
   const double nothing = std::numeric_limits<double>::quiet_NaN();
-  const Measurement list[] = {{"total", "error", c.outcome.usable() ? c.error : nothing, "1", status},
-                              {"total", "worst_error", c.outcome.usable() ? c.worst : nothing, "tolerances", status},
-                              {"total", "energy_drift", c.outcome.usable() ? c.energy_drift : nothing, "of the energy", status},
-                              {"total", "time", times[times.size() / 2], "s", status},
-                              {"total", "steps", static_cast<double>(c.steps.steps), "1", status},
-                              {"total", "evaluations", static_cast<double>(c.evaluations.rates), "1", status}};
+  const Measurement list[] = {
+      {"total", "error", c.outcome.usable() ? c.error : nothing, "1", status},
+      {"total", "worst_error", c.outcome.usable() ? c.worst : nothing, "tolerances", status},
+      {"total", "energy_drift", c.outcome.usable() ? c.energy_drift : nothing, "of the energy", status},
+      {"total", "time", times[times.size() / 2], "s", status},
+      {"total", "steps", static_cast<double>(c.steps.steps), "1", status},
+      {"total", "evaluations", static_cast<double>(c.evaluations.rates), "1", status}};
   e.report().write(cell, list);
   constexpr double long_enough = 60;  // s: finer ones would take longer still
   worth = c.seconds < long_enough;
@@ -86,14 +88,16 @@ void run(Experiment& e, const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Experiment experiment({.name = "work-precision",
-                         .question = "What does accuracy cost: error against processor time, over tolerances and steps?",
-                         .repetitions = 3,
-                         .quick_repetitions = 1,
-                         .models = [](bool) { return std::vector<std::string>(); },
-                         .formulations = [](const FormulationInfo& info) { return info.recursive; }});
+  Experiment experiment(
+      {.name = "work-precision",
+       .question = "What does accuracy cost: error against processor time, over tolerances and steps?",
+       .repetitions = 3,
+       .quick_repetitions = 1,
+       .models = [](bool) { return std::vector<std::string>(); },
+       .formulations = [](const FormulationInfo& info) { return info.recursive; }});
   Options options;
-  experiment.option("--problems", options.problems, "glob over the names of the files in data/reference (default: seven)");
+  experiment.option("--problems", options.problems,
+                    "glob over the names of the files in data/reference (default: seven)");
   experiment.option("--integrators", options.integrators, "glob");
   experiment.option("--stabilisations", options.stabilisations, "glob");
   return experiment.run(argc, argv, [&](Experiment& e) { run(e, options); });

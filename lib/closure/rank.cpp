@@ -100,7 +100,8 @@ struct ClosureRank<S>::Work {
   }
 
   /// The part of γ̿ outside the range of G, by block.
-  void split_bias(const System<S>& system) {
+  /// `floor`: what accelerations are compared with at least.
+  void split_bias(const System<S>& system, double floor) {
     bias_accelerations(system, system.rhs, at_rest);  // η̇ = 0
     closure_accelerations(system, system.rhs, at_rest, bias);
     double size = 0, worst = 0;
@@ -118,7 +119,7 @@ struct ClosureRank<S>::Work {
         if (std::abs(rest[r]) > worst) worst = std::abs(rest[r]), decision.worst_row = k;
       }
     }
-    decision.contradiction = worst > 0 ? worst / size : 0;
+    decision.contradiction = worst > 0 ? worst / std::max(size, floor) : 0;
   }
 
   /// What γ̿ of row k is made of, every term positive.
@@ -213,7 +214,11 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   for (Block& block : work.blocks) work.decompose(block);
   work.choose_rank(policy);
   for (const Block& block : work.blocks) work.select_rows(block);
-  work.split_bias(system);
+  // on a motion: rounding errors at rest contradict one another, too, which nobody would notice beside gravity
+  constexpr double negligible = 1e-3;
+  const Vec3<double>& g = work.model.gravity();
+  const double unit = std::sqrt(dot(g, g)) > 0 ? std::sqrt(dot(g, g)) / work.model.length() : 1.0;
+  work.split_bias(system, policy.automatic() ? 0 : negligible * unit);
   work.check_state(system);
   decision.held = !policy.automatic();
   decision.varying_rank = false;
@@ -221,12 +226,12 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   // off the manifold redundant conditions differ by what the state violates; curvatures make some hundred times of it
   constexpr double spread = 1e3;
   decision.tolerated_contradiction =
-      decision.held ? largest_contradiction + spread * std::max(decision.position_violation, decision.velocity_violation)
-                    : largest_contradiction;
+      decision.held
+          ? largest_contradiction + spread * std::max(decision.position_violation, decision.velocity_violation)
+          : largest_contradiction;
   // what is dropped on the way through a singular configuration is not obeyed there
   decision.dropped = decision.held && decision.rank < policy.rank;
-  if (decision.dropped)
-    decision.tolerated_contradiction = std::numeric_limits<double>::infinity();
+  if (decision.dropped) decision.tolerated_contradiction = std::numeric_limits<double>::infinity();
   return decision;
 }
 

@@ -15,8 +15,8 @@ namespace lanc {
 /// near a singular one that neither rank gives a right answer: errors grow like ε/σ².
 constexpr double zero_singular_value = 1e-10;
 constexpr double clear_singular_value = 1e-7;
-/// For motions that pass through singular configurations (RankPolicy::smallest): answers are as good as ε/σ², and what is
-/// left free for a moment is free for less than a microsecond of a motion of some 1/s.
+/// For motions that pass through singular configurations (RankPolicy::smallest): answers are as good as ε/σ², and what
+/// is left free for a moment is free for less than a microsecond of a motion of some 1/s.
 constexpr double passing_singular_value = 3e-6;
 /// How far a state may violate g = 0 and Gη + γ̄ = 0 (scaled) before it is called inconsistent; redundancy shows on the
 /// manifold only.
@@ -28,9 +28,9 @@ constexpr double largest_contradiction = 1e-7;
 /// (inside a Runge-Kutta stage). A given rank switches off the checks of the state, too; redundant conditions may then
 /// contradict one another as far as the state violates them.
 struct RankPolicy {
-  int rank = -1;             // −1: automatic
-  double smallest = 0;       // singular values below (relative to the larger of σ_1 and 1) count as zero, for motions
-                             // through singular configurations; 0: such a state is reported as near_singular
+  int rank = -1;        // −1: automatic
+  double smallest = 0;  // singular values below (relative to the larger of σ_1 and 1) count as zero, for motions
+                        // through singular configurations; 0: such a state is reported as near_singular
 
   bool automatic() const { return rank < 0; }
 };
@@ -44,10 +44,10 @@ struct ClosureDecision {
   double position_violation = 0, velocity_violation = 0;  // largest |g| and |Gη + γ̄|, scaled
   double contradiction = 0;                               // relative, see largest_contradiction
   double tolerated_contradiction = largest_contradiction;
-  bool held = false;                                      // the rank was given
-  bool dropped = false;                                   // and is lower here: weak conditions count as none
-  int worst_row = -1;                                     // that violates or contradicts most
-  std::vector<char> independent;                          // per row: one of a well-conditioned set of `rank` rows
+  bool held = false;               // the rank was given
+  bool dropped = false;            // and is lower here: weak conditions count as none
+  int worst_row = -1;              // that violates or contradicts most
+  std::vector<char> independent;   // per row: one of a well-conditioned set of `rank` rows
   std::vector<double> correction;  // to be added to γ̿, which makes the conditions consistent (least squares)
 };
 

@@ -64,8 +64,7 @@ inline std::vector<double> displaced(const Model& model, const std::vector<doubl
 inline std::vector<double> position_scale(const Model& model) {
   std::vector<double> scale;
   for (const Link& link : model.links())
-    for (int k = 0; k < link.nq; ++k)
-      scale.push_back(link.kind.traits().q_units[k] == "m" ? model.length() : 1.0);
+    for (int k = 0; k < link.nq; ++k) scale.push_back(link.kind.traits().q_units[k] == "m" ? model.length() : 1.0);
   return scale;
 }
 

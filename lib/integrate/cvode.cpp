@@ -59,14 +59,12 @@ class Cvode : public OdeStepper {
     y_.assign(y, y + y_.size());
     if (t_ < reached_) return true;
     switch (form_.settle(t_, {y, y_.size()})) {  // of a copy: what the method remembers stays undisturbed
-      case Settled::failed:
-        return failed();
+      case Settled::failed: return failed();
       case Settled::renewed:
         y_.assign(y, y + y_.size());
         CVodeReInit(memory_, t_, vector_.get());
         break;
-      case Settled::kept:
-        break;
+      case Settled::kept: break;
     }
     return true;
   }

@@ -7,16 +7,12 @@ namespace lanc {
 Evaluation evaluation_of(const Outcome& outcome, const RankPolicy& policy) {
   switch (outcome.status) {
     case Status::solved:
-    case Status::redundant:
-      return Evaluation::fine;
+    case Status::redundant: return Evaluation::fine;
     case Status::not_converged:
     case Status::not_finite:
-    case Status::inconsistent:
-      return Evaluation::retry;
-    case Status::singular:
-      return policy.smallest > 0 ? Evaluation::retry : Evaluation::stop;
-    default:
-      return Evaluation::stop;
+    case Status::inconsistent: return Evaluation::retry;
+    case Status::singular: return policy.smallest > 0 ? Evaluation::retry : Evaluation::stop;
+    default: return Evaluation::stop;
   }
 }
 
@@ -47,9 +43,9 @@ MotionPoint FullCoordinates::unpack(double t, const double* y) const {
   return point;
 }
 
-/// Near a singular configuration, where the weakest condition is hardly stronger than what the state violates, it cannot
-/// be told from a redundant one: the evaluation is then made at the nearest state that obeys the conditions. On these
-/// nothing changes, so that the order of the method is kept.
+/// Near a singular configuration, where the weakest condition is hardly stronger than what the state violates, it
+/// cannot be told from a redundant one: the evaluation is then made at the nearest state that obeys the conditions. On
+/// these nothing changes, so that the order of the method is kept.
 Outcome FullCoordinates::solve(State<double>& state) {
   constexpr double clear = 1e-3;
   Outcome outcome = solver_.solve(state, alpha_);

@@ -44,8 +44,8 @@ class GeneralizedAlpha : public Stepper {
     // the new a follows from the new η̇: a = a0 + c η̇, which begins with the old η̇
     const double c = (1 - alpha_f_) / (1 - alpha_m_);
     const Eigen::VectorXd a0 = (alpha_f_ * vdot_ - alpha_m_ * a_) / (1 - alpha_m_), guess = a0 + c * vdot_;
-    Trial trial{before.state, v + h * ((0.5 - beta_) * a_ + beta_ * guess), v + h * ((1 - gamma_) * a_ + gamma_ * guess),
-                vdot_, lambda_};
+    Trial trial{before.state, v + h * ((0.5 - beta_) * a_ + beta_ * guess),
+                v + h * ((1 - gamma_) * a_ + gamma_ * guess), vdot_, lambda_};
     trial.state.t = end;
     if (!newton(before.state, h, trial)) return false;
     a_ = a0 + c * trial.vdot;

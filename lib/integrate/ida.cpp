@@ -95,7 +95,9 @@ class Ida : public Stepper {
     IDASetId(memory_, kind_.get());
     IDASetSuppressAlg(memory_, SUNTRUE);
     IDASetMaxNumSteps(memory_, sundials::most_steps);
-    if (options_.first_step > 0) IDASetInitStep(memory_, options_.first_step);
+    // IDA's own guess is so short at tight tolerances that rounding errors of λ and μ, which grow with its inverse, stop
+    // Newton's method; an error test that fails shortens this one
+    IDASetInitStep(memory_, options_.first_step > 0 ? options_.first_step : 0.01 * std::sqrt(relative));
     newton_.emplace(context_, x_, size_);
     IDASetLinearSolver(memory_, newton_->solver.get(), newton_->matrix.get());
     IDASetJacFn(memory_, &jacobian);
@@ -123,8 +125,8 @@ class Ida : public Stepper {
     if (!r.balance.allFinite()) return 1;
     Vector F = map(result);
     State<double> pushed = u.point.state;
-    Eigen::Map<Eigen::VectorXd>(pushed.v.data(), nv) += me.form_.transposed(u.mu).cwiseProduct(
-        Eigen::Map<const Eigen::VectorXd>(me.scale_.data(), nv).cwiseAbs2());
+    Eigen::Map<Eigen::VectorXd>(pushed.v.data(), nv) +=
+        me.form_.transposed(u.mu).cwiseProduct(Eigen::Map<const Eigen::VectorXd>(me.scale_.data(), nv).cwiseAbs2());
     Eigen::VectorXd rates(nq);
     coordinate_rates(me.form_.model(), pushed.q.data(), pushed.v.data(), rates.data());
     const Vector D = map(xdot);

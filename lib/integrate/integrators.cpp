@@ -36,9 +36,10 @@ const IntegratorInfo& find_integrator(std::string_view name) {
     if (info.name == name) return info;
     names += fmt::format("{}{}", names.empty() ? "" : ", ", info.name);
   }
-  throw InputError(fmt::format("there is no integrator '{}'; choose from {} (those of SUNDIALS are there where "
-                               "lanc was built with it)",
-                               name, names));
+  throw InputError(
+      fmt::format("there is no integrator '{}'; choose from {} (those of SUNDIALS are there where "
+                  "lanc was built with it)",
+                  name, names));
 }
 
 }  // namespace lanc

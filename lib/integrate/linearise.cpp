@@ -117,7 +117,7 @@ struct Unbalance {
   Matrix J;
   Eigen::VectorXd force;  // Jᵀ(b + Gᵀλ) = Jᵀ b
   Matrix stiffness;
-  double size = 0;        // of the forces it is made of
+  double size = 0;  // of the forces it is made of
 };
 
 Unbalance unbalance(const Model& model, const State<double>& state, const Eigen::VectorXd& scale) {
@@ -146,11 +146,13 @@ Unbalance unbalance(const Model& model, const State<double>& state, const Eigen:
   }
   const MotionDerivatives& d = differentiator.at(state, still, lambda, counts);
   result.force = -(result.J.transpose() * r);
-  result.stiffness = result.J.transpose() * d.balance.leftCols(model.nq()) * d.coordinate_rate.rightCols(model.nv()) * result.J;
+  result.stiffness =
+      result.J.transpose() * d.balance.leftCols(model.nq()) * d.coordinate_rate.rightCols(model.nv()) * result.J;
   // weights and springs: the wrenches that the joints carry
   for (int i = 0; i < model.bodies(); ++i) {
     const Wrench<double>& f = system.rhs.force[i];
-    result.size = std::max({result.size, std::sqrt(dot(f.force, f.force)) * model.length(), std::sqrt(dot(f.moment, f.moment))});
+    result.size =
+        std::max({result.size, std::sqrt(dot(f.force, f.force)) * model.length(), std::sqrt(dot(f.moment, f.moment))});
   }
   for (int k = 0; k < model.nv(); ++k) result.size = std::max(result.size, std::abs(system.rhs.tau[k]) * scale[k]);
   return result;

@@ -13,11 +13,11 @@ namespace lanc {
 /// M δs̈ + C δṡ + K δs = 0 for departures δs from the motion through a state, row after row, f × f. Coordinates are the
 /// independent velocities, integrated; of joints with Euler parameters small rotations about body axes.
 struct LinearisedMotion {
-  std::vector<int> independent;    // velocities
-  std::vector<double> M, C, K;     // kg m², kg m, kg and per s, per s²
+  std::vector<int> independent;                   // velocities
+  std::vector<double> M, C, K;                    // kg m², kg m, kg and per s, per s²
   std::vector<std::complex<double>> eigenvalues;  // 1/s, by imaginary, then real part; infinite ones left out
-  double condition = 1;            // of G^d
-  std::vector<double> vdot;        // η̇ of the motion itself, all velocities; zero at rest
+  double condition = 1;                           // of G^d
+  std::vector<double> vdot;                       // η̇ of the motion itself, all velocities; zero at rest
 };
 
 /// By exact derivatives (dual numbers) of the equations of motion, closure conditions eliminated; multipliers by the

@@ -10,8 +10,8 @@
 
 namespace lanc {
 
-MinimalCoordinates::MinimalCoordinates(MotionSolver& solver, const State<double>& start,
-                                       const std::vector<int>& chosen, const std::vector<int>& candidates)
+MinimalCoordinates::MinimalCoordinates(MotionSolver& solver, const State<double>& start, const std::vector<int>& chosen,
+                                       const std::vector<int>& candidates)
     : solver_(solver),
       nq_(solver.model().nq()),
       scaling_(solver.model()),

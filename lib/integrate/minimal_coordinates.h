@@ -16,8 +16,8 @@ namespace lanc {
 /// errors are ε/σ and ε/σ², and those of the accelerations ε/σ³, while the motion itself is smooth there.
 class MinimalCoordinates : public OdeForm {
  public:
-  /// At a consistent state. `solver` holds the rank and must outlive this. `chosen`: the independent velocities to begin
-  /// with; none: the best. `candidates`: those that may be chosen; none: all.
+  /// At a consistent state. `solver` holds the rank and must outlive this. `chosen`: the independent velocities to
+  /// begin with; none: the best. `candidates`: those that may be chosen; none: all.
   MinimalCoordinates(MotionSolver& solver, const State<double>& start, const std::vector<int>& chosen,
                      const std::vector<int>& candidates);
 

@@ -27,10 +27,10 @@ enum class Settled : unsigned char { kept, renewed, failed };
 
 /// How often what was called, for comparisons of cost that do not depend on the machine.
 struct MotionCounts {
-  long rates = 0;             // η̇ by a formulation, or residuals of eq. 3, 8, 12
-  long jacobians = 0;         // derivatives of these
-  long kinematics = 0;        // passes over all joints, those on dual numbers included
-  long dual_kinematics = 0;   // of these, those on dual numbers
+  long rates = 0;            // η̇ by a formulation, or residuals of eq. 3, 8, 12
+  long jacobians = 0;        // derivatives of these
+  long kinematics = 0;       // passes over all joints, those on dual numbers included
+  long dual_kinematics = 0;  // of these, those on dual numbers
 };
 
 /// One way to write the equations of motion as numbers. Bound to a model; keeps history (the rank, chosen coordinates).

@@ -26,7 +26,8 @@ class OdeStepper : public Stepper {
   static int rate(realtype t, N_Vector y, N_Vector ydot, void* self) {
     return code(static_cast<OdeStepper*>(self)->form_.rate(t, sundials::data(y), sundials::data(ydot)));
   }
-  static int jacobian(realtype t, N_Vector y, N_Vector /*ydot*/, SUNMatrix J, void* self, N_Vector, N_Vector, N_Vector) {
+  static int jacobian(realtype t, N_Vector y, N_Vector /*ydot*/, SUNMatrix J, void* self, N_Vector, N_Vector,
+                      N_Vector) {
     return code(static_cast<OdeStepper*>(self)->form_.jacobian(t, sundials::data(y), SM_DATA_D(J)));
   }
 

@@ -21,9 +21,10 @@ void add(std::vector<Quantity>& list, const std::string& stem, const Vec3<double
 
 TracedPoint read_point(const Model& model, const std::string& text) {
   const auto wrong = [&](const std::string& why) {
-    return InputError(fmt::format("point '{}': {}; write NAME=BODY:x,y,z, in m from the body's reference point, in its "
-                                  "axes",
-                                  text, why));
+    return InputError(
+        fmt::format("point '{}': {}; write NAME=BODY:x,y,z, in m from the body's reference point, in its "
+                    "axes",
+                    text, why));
   };
   const auto trimmed = [](std::string word) {
     word.erase(0, word.find_first_not_of(" \t"));

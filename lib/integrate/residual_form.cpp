@@ -32,7 +32,8 @@ Outcome ResidualForm::start(const State<double>& state, Eigen::VectorXd& vdot, E
   const Eigen::MatrixXd columns =
       differentiator_.at(state, solution.vdot, solution.lambda, solver_.counts()).velocity.rightCols(model().nv());
   const Eigen::MatrixXd G = columns(rows_, Eigen::all);
-  const Eigen::Map<const Eigen::VectorXd> all(solution.lambda.data(), static_cast<Eigen::Index>(solution.lambda.size()));
+  const Eigen::Map<const Eigen::VectorXd> all(solution.lambda.data(),
+                                              static_cast<Eigen::Index>(solution.lambda.size()));
   lambda = none;
   if (rows() > 0) lambda = least_squares(G.transpose(), columns.transpose() * all);
   return outcome_;

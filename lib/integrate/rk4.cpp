@@ -6,7 +6,8 @@ namespace lanc {
 namespace {
 
 /// The classical fourth-order method of Runge and Kutta with steps of equal length; the last one before a limit ends
-/// there, and one that cannot be evaluated is divided. The same numbers in the same order whatever happens between steps, so that a run can be continued bit by bit.
+/// there, and one that cannot be evaluated is divided. The same numbers in the same order whatever happens between
+/// steps, so that a run can be continued bit by bit.
 class Rk4 : public Stepper {
  public:
   Rk4(OdeForm& form, const StepperOptions& options) : form_(form), step_(options.step) {

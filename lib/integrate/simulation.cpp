@@ -42,6 +42,7 @@ struct Simulation::Parts {
   std::unique_ptr<Stepper> stepper;
   double start_energy = 0;
   std::vector<PassedStep> passed;  // the last three
+  int tiny_steps = 0;              // one after another
   StepperCounts steps_before;      // of earlier parts of this run
   MotionCounts evaluations_before;
 
@@ -114,15 +115,17 @@ Outcome Simulation::resume(const Checkpoint& checkpoint) {
 
 Checkpoint Simulation::renew() {
   Parts& s = *parts_;
-  Checkpoint checkpoint{point(),     s.stepper->next_step(), s.start_energy, s.solver->policy().rank,
-                        s.form->independent(), s.passed, steps(), evaluations()};
+  Checkpoint checkpoint{
+      point(), s.stepper->next_step(), s.start_energy, s.solver->policy().rank, s.form->independent(), s.passed,
+      steps(), evaluations()};
   (void)resume(checkpoint);
   return checkpoint;
 }
 
 namespace {
 
-/// The smallest σ_r that a motion comes to between two instants, and when: golden section, the way there by small steps.
+/// The smallest σ_r that a motion comes to between two instants, and when: golden section, the way there by small
+/// steps.
 std::pair<double, double> weakest(MotionSolver& solver, const MotionPoint& from, double end) {
   const auto sigma = [&](double t) {
     FullCoordinates form(solver, Stabilisation::projection, 0);
@@ -175,7 +178,19 @@ Outcome Simulation::watch_rank() {
 
 Outcome Simulation::step(double limit) {
   Parts& s = *parts_;
-  if (s.stepper->step(limit)) return watch_rank();
+  const double before = s.stepper->t();
+  if (s.stepper->step(limit)) {
+    constexpr double shortest = 1e-12;
+    constexpr int most = 100;
+    const bool tiny = s.stepper->t() - before < shortest * std::max(1.0, std::abs(before)) && s.stepper->t() < limit;
+    s.tiny_steps = tiny ? s.tiny_steps + 1 : 0;
+    if (s.tiny_steps < most) return watch_rank();
+    return {
+        Status::not_converged,
+        fmt::format("t = {:.9g} s: the error estimate asks for ever shorter steps; the motion ends here (a singular "
+                    "configuration, an impact), or the tolerance is below what rounding allows",
+                    s.stepper->t())};
+  }
   Outcome outcome = s.form->outcome();
   if (outcome.usable()) outcome = {Status::not_converged, s.stepper->message()};
   outcome.message = fmt::format("t = {:.9g} s: {}", s.stepper->t(), outcome.message);
@@ -208,6 +223,7 @@ MotionCounts Simulation::evaluations() const {
 Instant Simulation::instant() {
   Parts& s = *parts_;
   Instant now;
+  const MotionCounts before = s.solver->counts();  // looking on is no part of the integration
   now.point = point();
   now.outcome = s.solver->solve(now.point.state);
   now.solution = s.solver->solution();
@@ -223,6 +239,7 @@ Instant Simulation::instant() {
   now.energy = s.energy_at(now.point.state);
   now.energy_drift = now.energy.total() - s.start_energy - now.point.work;
   now.choice_condition = s.form->condition();
+  s.solver->counts() = before;
   return now;
 }
 

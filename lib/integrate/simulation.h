@@ -21,9 +21,9 @@ enum class SingularPolicy : unsigned char {
 
 struct SimulationOptions {
   std::string formulation, integrator, stabilisation;
-  double tolerance = 1e-8;     // integrators that choose their steps
-  double step = 1e-3;          // s; integrators with fixed steps
-  double baumgarte_time = 0;   // s, 1/α; 0: see baumgarte_rule()
+  double tolerance = 1e-8;       // integrators that choose their steps
+  double step = 1e-3;            // s; integrators with fixed steps
+  double baumgarte_time = 0;     // s, 1/α; 0: see baumgarte_rule()
   double spectral_radius = 0.8;  // at infinite frequency, of generalized-alpha
   SingularPolicy singular = SingularPolicy::stop;
   std::vector<int> candidates;  // velocities that may be chosen as independent ones (minimal); empty: all
@@ -57,9 +57,9 @@ struct PassedStep {
 /// Everything a run has to remember to go on the same way, bit by bit.
 struct Checkpoint {
   MotionPoint point;
-  double next_step = 0;        // s
-  double start_energy = 0;     // J
-  int rank = -1;               // held
+  double next_step = 0;     // s
+  double start_energy = 0;  // J
+  int rank = -1;            // held
   std::vector<int> independent;
   std::vector<PassedStep> passed;  // the last ones
   StepperCounts steps;

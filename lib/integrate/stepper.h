@@ -16,11 +16,11 @@ struct StepperOptions {
   double tolerance = 1e-8;  // relative, and absolute in the scales of MotionForm; of methods that choose their steps
   double step = 1e-3;       // s, of methods with fixed steps
   double spectral_radius = 0.8;  // at infinite frequency, 0 to 1, of generalized-alpha
-  double first_step = 0;    // s, of methods that choose theirs; 0: they find one
+  double first_step = 0;         // s, of methods that choose theirs; 0: they find one
 };
 
 struct StepperCounts {
-  long steps = 0, rejected = 0;   // rejected: by the error estimate, or because an evaluation failed
+  long steps = 0, rejected = 0;  // rejected: by the error estimate, or because an evaluation failed
   long newton_iterations = 0;
 };
 
@@ -54,8 +54,8 @@ struct IntegratorInfo {
   std::string_view idea;
   std::string_view source;
   bool fixed_step = false;
-  bool implicit = false;  // needs derivatives
-  bool memory = false;    // several steps: cannot be disturbed after each
+  bool implicit = false;        // needs derivatives
+  bool memory = false;          // several steps: cannot be disturbed after each
   bool holds_closures = false;  // solves with the closure conditions itself, from the equations, not from η̇
   std::unique_ptr<Stepper> (*create)(MotionForm& form, const StepperOptions& options) = nullptr;
 };

@@ -33,9 +33,8 @@ void judge(const ReferenceValue& expected, double found, bool recomputed_there, 
 }
 
 bool has_recomputed_positions(const ReferenceProblem& problem) {
-  return std::any_of(problem.values.begin(), problem.values.end(), [](const ReferenceValue& v) {
-    return v.origin == "recomputed" && is_position(v.quantity);
-  });
+  return std::any_of(problem.values.begin(), problem.values.end(),
+                     [](const ReferenceValue& v) { return v.origin == "recomputed" && is_position(v.quantity); });
 }
 
 /// Values that are still to come at this time, from `next` on.

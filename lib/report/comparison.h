@@ -16,12 +16,12 @@ struct Comparison {
   double worst = 0;            // largest |error| / tolerance of all values
   std::string worst_quantity;  // and where
   double worst_t = 0;
-  double error = 0;            // largest |error| of positions (q, points), in their own units, against recomputed values
-                               // where there are any
-  double energy_drift = 0;     // largest, relative to the largest energy (kinetic + |potential|) of the run, or 1 J
-  double violation = 0;        // largest scaled |g|
-  double seconds = 0;          // of processor time for the motion
-  int values = 0;              // compared
+  double error = 0;         // largest |error| of positions (q, points), in their own units, against recomputed values
+                            // where there are any
+  double energy_drift = 0;  // largest, relative to the largest energy (kinetic + |potential|) of the run, or 1 J
+  double violation = 0;     // largest scaled |g|
+  double seconds = 0;       // of processor time for the motion
+  int values = 0;           // compared
   int held_rank = -1;
   StepperCounts steps;
   MotionCounts evaluations;

@@ -8,12 +8,12 @@ namespace lanc {
 
 /// One number that was published, or recomputed from a publication by other means than this library's.
 struct ReferenceValue {
-  double t = 0;           // s
-  std::string quantity;   // a name of Quantities (lib/integrate/quantities.h)
-  double value = 0;       // factor × our quantity
-  double tolerance = 0;   // absolute, of `value`
-  double factor = 1;      // maps conventions
-  std::string origin;     // "published" or "recomputed"
+  double t = 0;          // s
+  std::string quantity;  // a name of Quantities (lib/integrate/quantities.h)
+  double value = 0;      // factor × our quantity
+  double tolerance = 0;  // absolute, of `value`
+  double factor = 1;     // maps conventions
+  std::string origin;    // "published" or "recomputed"
 };
 
 /// One entry of data/reference/problems.toml.

@@ -21,7 +21,7 @@ struct StateInput {
   State<double> state;  // checked
   Loads<double> loads;
   Format format = Format::text;
-  std::string out;                        // of --out
+  std::string out;  // of --out
   std::vector<std::string> command_line;
   GraphRecord graph = {};  // of a model that was given as a graph of joints
 };

@@ -260,7 +260,8 @@ void Evaluator<S>::close_loops(const State<S>& state) {
 template <class S>
 const System<S>& Evaluator<S>::stabilise(double alpha) {
   for (std::size_t k = 0; k < system_.closure_rows.size(); ++k)
-    system_.rhs.closure[k] += S(2 * alpha) * system_.closure_rows[k].rate + S(alpha * alpha) * system_.closure_rows[k].g;
+    system_.rhs.closure[k] +=
+        S(2 * alpha) * system_.closure_rows[k].rate + S(alpha * alpha) * system_.closure_rows[k].g;
   return system_;
 }
 

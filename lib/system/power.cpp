@@ -67,12 +67,12 @@ Power power(Evaluator<double>& evaluator, const System<double>& system, const St
   for (std::size_t k = 0; k < loads.tau.size(); ++k) power.loads += loads.tau[k] * state.v[k];
   for (const PassiveCoordinate& passive : model.passive()) {
     const Link& link = model.link(passive.body);
-    add_coordinate(passive.spec,
-                   link.drive >= 0 ? model.motion(link.drive).at(state.t).velocity
-                                   : state.v[link.v + passive.coordinate],
-                   power);
+    add_coordinate(
+        passive.spec,
+        link.drive >= 0 ? model.motion(link.drive).at(state.t).velocity : state.v[link.v + passive.coordinate], power);
   }
-  for (int d = 0; d < model.drives(); ++d) power.drives += solution.drive_force[d] * model.motion(d).at(state.t).velocity;
+  for (int d = 0; d < model.drives(); ++d)
+    power.drives += solution.drive_force[d] * model.motion(d).at(state.t).velocity;
   const bool applied = !model.wrenches().empty() || !loads.wrenches.empty();
   if (applied || model.has_closures()) {
     const auto& twists = evaluator.twists();

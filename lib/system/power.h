@@ -7,9 +7,9 @@ namespace lanc {
 
 /// In W. Energy as in lib/system/energy.h: gravity, springs and rotors are in it, all else does work on it.
 struct Power {
-  double drives = 0;     // of prescribed joints, closures and couplers
-  double loads = 0;      // constant torques and wrenches, τ and wrenches applied
-  double dissipated = 0; // dampers and friction: ≤ 0
+  double drives = 0;      // of prescribed joints, closures and couplers
+  double loads = 0;       // constant torques and wrenches, τ and wrenches applied
+  double dissipated = 0;  // dampers and friction: ≤ 0
   double total() const { return drives + loads + dissipated; }
 };
 

@@ -69,7 +69,8 @@ body = "carriage"
 stiffness = 6
 damping = 2
 armature = 1e-300
-)", "carriage");
+)",
+                               "carriage");
   LinearisedMotion motion;
   const Outcome outcome = linearise(m.model, m.state, {}, motion);
   if (!outcome.usable()) GTEST_SKIP() << "no solution without inertia: " << outcome.message;
@@ -115,7 +116,8 @@ inertia = [1, 1, 1]
 name = "j"
 type = "free"
 body = "b"
-)", "falling");
+)",
+                               "falling");
   const Outcome outcome = equilibrium(m.model, m.state);
   EXPECT_FALSE(outcome.usable());
   EXPECT_FALSE(outcome.message.empty());

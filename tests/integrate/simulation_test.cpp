@@ -63,8 +63,10 @@ TEST(Integrators, with_fixed_steps_have_their_order) {
 }
 
 TEST(Integrators, all_go_the_same_way) {
-  for (const char* model : {"chain:3:joint=spherical", "random:6:seed=4:driven=no", "four-bar-ladder:2:angle=2.6:rate=0.5",
-                            "random-loops:1:seed=3"}) {
+  for (const char* model :
+       {"chain:3:joint=spherical", "random:6:seed=4:driven=no", "four-bar-ladder:2:angle=2.6:rate=0.5",
+        LANC_SOURCE_DIR "/data/models/linkages/bricard.toml",
+        LANC_SOURCE_DIR "/data/models/problems/slider-crank.toml"}) {
     const Mechanism m = load_mechanism(model);
     const bool loops = m.model.has_closures();
     const State<double> exact =
@@ -123,15 +125,13 @@ TEST(Energy, is_balanced_by_work_on_every_model) {
       if (!assembled.assembled()) continue;  // made to be open: other tests look at them
       m.state = consistent_velocities(m.model, assembled.state).state;
     }
-    SimulationOptions options = ways("recursive", "erk8", "projection", 1e-11);
-    options.singular = SingularPolicy::pass;
-    Simulation simulation(m.model, options);
+    Simulation simulation(m.model, ways("recursive", "erk8", "projection", 1e-11));
     if (const Outcome outcome = simulation.begin(m.state); !outcome.usable()) continue;
     const double end = m.state.t + (m.model.name() == "andrews" ? 0.02 : 0.5);
     Outcome outcome;
     double largest = 0;
     while (outcome.usable() && simulation.t() < end) outcome = simulation.step(end);
-    ASSERT_TRUE(outcome.usable()) << file << ": " << to_string(outcome.status) << " " << outcome.message;
+    ASSERT_TRUE(outcome.usable() || outcome.status == Status::singular) << file << ": " << to_string(outcome.status) << " " << outcome.message;
     const Instant now = simulation.instant();
     largest = now.energy.kinetic + std::abs(now.energy.potential) + std::abs(now.point.work);
     EXPECT_LT(std::abs(now.energy_drift), 1e-8 * std::max(largest, 1e-3)) << file;
@@ -146,16 +146,16 @@ TEST(Energy, is_balanced_by_work_on_every_model) {
 }
 
 TEST(Stabilisation, holds_what_it_promises) {
-  const Mechanism m = load_mechanism("four-bar-ladder:2:angle=2.6:rate=0.5:cut=hinge");
+  const Mechanism m = load_mechanism(LANC_SOURCE_DIR "/data/models/linkages/bricard.toml");
   const auto violation = [&](const char* name) {
-    return at_end(m, ways("recursive", "rk4", name, 0, 5e-3), 3).position_violation;
+    return at_end(m, ways("recursive", "rk4", name, 0, 1e-2), 20).position_violation;
   };
   const double none = violation("none"), baumgarte = violation("baumgarte");
   EXPECT_GT(none, 1e-8);
-  EXPECT_LT(baumgarte, none / 10);
+  EXPECT_LT(baumgarte, none / 3);
   EXPECT_LT(violation("projection"), 1e-13);
   EXPECT_LT(violation("minimal"), 1e-11);
-  EXPECT_LT(at_end(m, ways("recursive", "generalized-alpha", "none", 0, 5e-3), 3).position_violation, 1e-10);
+  EXPECT_LT(at_end(m, ways("recursive", "generalized-alpha", "none", 0, 1e-2), 3).position_violation, 1e-10);
 }
 
 TEST(Stabilisation, projects_with_every_formulation_to_the_same_motion) {

@@ -36,7 +36,14 @@ TEST(Dual, carries_the_derivatives_of_every_operation) {
        [](double x, double y) { return y * std::cos(x * y); }, [](double x, double y) { return x * std::cos(x * y); }},
       {"cosine", [](D x, D y) { return -cos(x - y); }, [](double x, double y) { return -std::cos(x - y); },
        [](double x, double y) { return std::sin(x - y); }, [](double x, double y) { return -std::sin(x - y); }},
-      {"assignment", [](D x, D y) { x += y; x *= y; x -= D(2.0); x /= y; return x; },
+      {"assignment",
+       [](D x, D y) {
+         x += y;
+         x *= y;
+         x -= D(2.0);
+         x /= y;
+         return x;
+       },
        [](double x, double y) { return x + y - 2 / y; }, [](double, double) { return 1.0; },
        [](double, double y) { return 1 + 2 / (y * y); }}};
   for (const Known& k : all)

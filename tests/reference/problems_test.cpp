@@ -1,4 +1,5 @@
-// Every numbered problem of the catalogue is there, and solved to its published accuracy by every family of formulations.
+// Every numbered problem of the catalogue is there, and solved to its published accuracy by every family of
+// formulations.
 #include <gtest/gtest.h>
 
 #include <algorithm>
