@@ -95,8 +95,8 @@ class Ida : public Stepper {
     IDASetId(memory_, kind_.get());
     IDASetSuppressAlg(memory_, SUNTRUE);
     IDASetMaxNumSteps(memory_, sundials::most_steps);
-    // IDA's own guess is so short at tight tolerances that rounding errors of λ and μ, which grow with its inverse, stop
-    // Newton's method; an error test that fails shortens this one
+    // IDA's own guess is so short at tight tolerances that rounding errors of λ and μ, which grow with its inverse,
+    // stop Newton's method; an error test that fails shortens this one
     IDASetInitStep(memory_, options_.first_step > 0 ? options_.first_step : 0.01 * std::sqrt(relative));
     newton_.emplace(context_, x_, size_);
     IDASetLinearSolver(memory_, newton_->solver.get(), newton_->matrix.get());

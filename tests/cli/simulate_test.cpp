@@ -12,6 +12,7 @@
 
 #include "lib/report/csv.h"
 #include "lib/report/report.h"
+#include "tests/support/effort.h"
 #include "tests/support/programs.h"
 #include "tests/support/random_model.h"
 
@@ -102,7 +103,7 @@ TEST(Simulate, goes_on_after_being_killed_at_fifty_random_moments) {
     ASSERT_EQ(run("simulate", arguments(integrator, whole)).exit_code, 0);
     const Seconds length = Clock::now() - begin;
     Random random(7);
-    for (int kill = 0; kill < 50; ++kill) {
+    for (int kill = 0; kill < cases(50); ++kill) {
       const Child child(arguments(integrator, killed, kill > 0));
       std::this_thread::sleep_for(length * random.uniform(0, 0.3));
       child.send(SIGKILL);

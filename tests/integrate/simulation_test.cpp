@@ -127,11 +127,12 @@ TEST(Energy, is_balanced_by_work_on_every_model) {
     }
     Simulation simulation(m.model, ways("recursive", "erk8", "projection", 1e-11));
     if (const Outcome outcome = simulation.begin(m.state); !outcome.usable()) continue;
-    const double end = m.state.t + (m.model.name() == "andrews" ? 0.02 : 0.5);
+    const double end = m.state.t + (m.model.name() == "andrews" ? 0.02 : build_info().sanitized ? 0.05 : 0.5);
     Outcome outcome;
     double largest = 0;
     while (outcome.usable() && simulation.t() < end) outcome = simulation.step(end);
-    ASSERT_TRUE(outcome.usable() || outcome.status == Status::singular) << file << ": " << to_string(outcome.status) << " " << outcome.message;
+    ASSERT_TRUE(outcome.usable() || outcome.status == Status::singular)
+        << file << ": " << to_string(outcome.status) << " " << outcome.message;
     const Instant now = simulation.instant();
     largest = now.energy.kinetic + std::abs(now.energy.potential) + std::abs(now.point.work);
     EXPECT_LT(std::abs(now.energy_drift), 1e-8 * std::max(largest, 1e-3)) << file;
@@ -170,14 +171,22 @@ TEST(Stabilisation, projects_with_every_formulation_to_the_same_motion) {
 }
 
 TEST(Minimal, changes_its_coordinates_on_the_way_and_says_so) {
-  // the crank goes round: no single angle serves for a whole turn of the slider-crank
+  // the slider has dead centres, and the rod is in line with its path now and then: neither serves all the time
   const Mechanism m = load_mechanism(LANC_SOURCE_DIR "/data/models/problems/slider-crank.toml");
   const State<double> expected = at_end(m, ways("recursive", "rk4", "projection", 0, 1e-3), 10).point.state;
   SimulationOptions options = ways("partitioning", "rk4", "minimal", 0, 1e-3);
+  const auto names = m.model.velocity_names();
+  for (int k = 0; k < m.model.nv(); ++k)
+    if (names[k] != "crank.angle_rate") options.candidates.push_back(k);
   Simulation simulation(m.model, options);
   ASSERT_TRUE(simulation.begin(m.state).usable());
   while (simulation.t() < 10) ASSERT_TRUE(simulation.step(10).usable());
   EXPECT_LT(distance(simulation.point().state, expected), 1e-8);
+  ASSERT_GT(simulation.changes().size(), 0u);
+  for (const IndependentChange& change : simulation.changes()) {
+    EXPECT_NE(change.before, change.after);
+    EXPECT_GT(change.condition_before, change.condition_after);
+  }
 }
 
 TEST(Rank, of_the_bricard_linkage_is_held_where_stages_would_make_it_full) {
