@@ -24,6 +24,19 @@ std::vector<int> candidates(const Model& model, const std::vector<std::string>& 
   return found;
 }
 
+void read_singular_policy(const std::string& text, SimulationOptions& options) {
+  if (text == "stop") {
+    options.singular = SingularPolicy::stop;
+  } else if (text == "pass") {
+    options.singular = SingularPolicy::pass;
+  } else if (text.size() == 8 && text.rfind("branch:", 0) == 0 && text[7] >= '1' && text[7] <= '9') {
+    options.singular = SingularPolicy::branch;
+    options.branch = text[7] - '0';
+  } else {
+    throw InputError(fmt::format("--singular '{}': choose stop, pass, or branch:1 to branch:9", text));
+  }
+}
+
 template <class List>
 std::string names_of(const List& list) {
   std::string text;
@@ -62,7 +75,9 @@ int main(int argc, char** argv) {
                  "of integrators with fixed steps, s; the interval is divided");
   program.option("--baumgarte-time", simulation.baumgarte_time, {0, 1e12},
                  "1/alpha, s; 0: ten fixed steps, or a twentieth of sqrt(length/gravity)");
-  program.option("--singular", singular, "where the rank drops: stop, or pass");
+  program.option(
+      "--singular", singular,
+      "where the rank drops: stop, pass, or branch:K, the K-th of the branches that cross, the straightest first");
   program.list("--independent", independent, "velocity that may be independent (minimal); repeatable; default: all");
   program.list("--point", points,
                "NAME=BODY:x,y,z: a point to be traced, body axes, from the reference point; repeatable");
@@ -76,9 +91,7 @@ int main(int argc, char** argv) {
   program.flag("--resume", options.resume, "go on from the last checkpoint of an interrupted run");
   program.flag("--quiet", options.quiet, "no progress on stderr");
   return program.run(argc, argv, [&](const StateInput& input) {
-    if (singular != "stop" && singular != "pass")
-      throw InputError(fmt::format("--singular '{}': choose stop or pass", singular));
-    simulation.singular = singular == "pass" ? SingularPolicy::pass : SingularPolicy::stop;
+    read_singular_policy(singular, simulation);
     if (options.end <= input.state.t)
       throw InputError(fmt::format("--end {} is not after the start, t = {}", options.end, input.state.t));
     const IntegratorInfo& integrator = find_integrator(simulation.integrator);
@@ -90,9 +103,10 @@ int main(int argc, char** argv) {
     simulation.candidates = candidates(input.model, independent);
     for (const std::string& text : points) options.quantities.points.push_back(read_point(input.model, text));
     options.parameters =
-        fmt::format("integrator={};stabilisation={};{}", simulation.integrator, simulation.stabilisation,
+        fmt::format("integrator={};stabilisation={};{}{}", simulation.integrator, simulation.stabilisation,
                     integrator.fixed_step ? fmt::format("step={}", simulation.step)
-                                          : fmt::format("tolerance={}", simulation.tolerance));
+                                          : fmt::format("tolerance={}", simulation.tolerance),
+                    singular == "stop" ? "" : ";singular=" + singular);
     return run(input, options);
   });
 }

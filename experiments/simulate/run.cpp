@@ -117,6 +117,7 @@ class Run {
         }
     }
     write_changes();
+    write_branches();
     return write_instant();
   }
 
@@ -147,6 +148,16 @@ class Run {
       const Measurement conditions[] = {{"total", "choice_condition_before", change.condition_before, "1"},
                                         {"total", "choice_condition_after", change.condition_after, "1"}};
       if (!report_.has(where)) report_.write(where, conditions);
+    }
+  }
+
+  void write_branches() {
+    for (; told_branches_ < simulation_.branch_changes().size(); ++told_branches_) {
+      const BranchChange& change = simulation_.branch_changes()[told_branches_];
+      const Cell where = cell(change.t, fmt::format("branch;choice={}", change.choice));
+      const Measurement facts[] = {{"total", "branches", static_cast<double>(change.branches), "1"},
+                                   {"total", "energy_change", change.energy_change, "J"}};
+      if (!report_.has(where)) report_.write(where, facts);
     }
   }
 
@@ -213,7 +224,7 @@ class Run {
   Report report_;
   const StopCondition* met_ = nullptr;
   Checkpoint last_;
-  std::size_t told_ = 0;
+  std::size_t told_ = 0, told_branches_ = 0;
   int changes_ = 0;
   double drift_ = 0, violation_ = 0;
 };

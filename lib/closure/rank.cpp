@@ -145,6 +145,7 @@ struct ClosureRank<S>::Work {
 
   void check_state(const System<S>& system) {
     decision.position_violation = decision.velocity_violation = 0;
+    if (jacobian.rows() == 0) return;  // such a system does not keep its state
     double speed = 1;
     for (int k = 0; k < model.nv(); ++k)
       speed = std::max(speed, std::abs(to_double(system.state.v[k])) / scaling.column[k]);
@@ -224,11 +225,9 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   decision.varying_rank = false;
   if (policy.automatic()) work.judge_rank(system);
   // off the manifold redundant conditions differ by what the state violates; curvatures make some hundred times of it
-  constexpr double spread = 1e3;
-  decision.tolerated_contradiction =
-      decision.held
-          ? largest_contradiction + spread * std::max(decision.position_violation, decision.velocity_violation)
-          : largest_contradiction;
+  constexpr double spread = 1e3, most = 1e-2;
+  const double violation = std::max(decision.position_violation, decision.velocity_violation);
+  decision.tolerated_contradiction = largest_contradiction + (decision.held ? std::min(spread * violation, most) : 0.0);
   // what is dropped on the way through a singular configuration is not obeyed there
   decision.dropped = decision.held && decision.rank < policy.rank;
   if (decision.dropped) decision.tolerated_contradiction = std::numeric_limits<double>::infinity();

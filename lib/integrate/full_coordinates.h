@@ -1,4 +1,5 @@
-// y = (q, η, work): all coordinates of the tree; closure conditions by their accelerations. Private to lib/integrate.
+// y = (q, η, work): all coordinates of the tree; closure conditions by their accelerations.
+// Private to lib/integrate.
 #pragma once
 
 #include "lib/integrate/derivatives.h"

@@ -9,6 +9,12 @@
 #include "lib/integrate/full_coordinates.h"
 
 namespace lanc {
+namespace {
+
+/// Errors of the independent coordinates grow by the condition of G^d on their way into the others, and stay there.
+constexpr double worst_condition = 10;
+
+}  // namespace
 
 MinimalCoordinates::MinimalCoordinates(MotionSolver& solver, const State<double>& start, const std::vector<int>& chosen,
                                        const std::vector<int>& candidates)
@@ -16,7 +22,7 @@ MinimalCoordinates::MinimalCoordinates(MotionSolver& solver, const State<double>
       nq_(solver.model().nq()),
       scaling_(solver.model()),
       rank_(solver.model()),
-      choice_(solver.model(), {.candidates = candidates}),
+      choice_(solver.model(), {.candidates = candidates, .leave = worst_condition}),
       evaluator_(solver.model()),
       jacobian_(solver.model()) {
   if (!chosen.empty()) choice_.choose(chosen);

@@ -47,7 +47,7 @@ Outcome MotionSolver::solve(const State<double>& state, double alpha) {
   if (alpha > 0) evaluator_.stabilise(alpha);
   ++counts_.rates;
   Outcome outcome = formulation_->solve(*system_, solution_, policy_);
-  if (model_.has_closures() && outcome.rank > 0) sigma_ = outcome.sigma;
+  if (model_.has_closures() && outcome.rank > 0) sigma_ = outcome.rank < policy_.rank ? 0 : outcome.sigma;
   return outcome;
 }
 

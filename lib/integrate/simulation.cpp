@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lib/integrate/branch_choice.h"
 #include "lib/integrate/full_coordinates.h"
 #include "lib/integrate/minimal_coordinates.h"
 #include "lib/integrate/residual_form.h"
@@ -42,8 +43,9 @@ struct Simulation::Parts {
   std::unique_ptr<Stepper> stepper;
   double start_energy = 0;
   std::vector<PassedStep> passed;  // the last three
-  int tiny_steps = 0;              // one after another
-  StepperCounts steps_before;      // of earlier parts of this run
+  std::vector<BranchChange> branch_changes;
+  int tiny_steps = 0;          // one after another
+  StepperCounts steps_before;  // of earlier parts of this run
   MotionCounts evaluations_before;
 
   Parts(const Model& m, SimulationOptions o) : model(m), options(std::move(o)) {
@@ -91,7 +93,7 @@ Simulation::~Simulation() = default;
 
 Outcome Simulation::begin(const State<double>& start) {
   Parts& s = *parts_;
-  Outcome outcome = s.solver->hold(start, s.options.singular == SingularPolicy::pass);
+  Outcome outcome = s.solver->hold(start, s.options.singular != SingularPolicy::stop);
   if (!outcome.usable()) return outcome;
   s.start_energy = s.energy_at(start).total();
   s.passed.clear();
@@ -103,7 +105,7 @@ Outcome Simulation::resume(const Checkpoint& checkpoint) {
   Parts& s = *parts_;
   s.solver = std::make_unique<MotionSolver>(s.model, *s.formulation, s.options.loads);
   RankPolicy policy{checkpoint.rank};
-  if (s.options.singular == SingularPolicy::pass) policy.smallest = passing_singular_value;
+  if (s.options.singular != SingularPolicy::stop) policy.smallest = passing_singular_value;
   s.solver->hold(policy);
   s.start_energy = checkpoint.start_energy;
   s.steps_before = checkpoint.steps;
@@ -124,9 +126,10 @@ Checkpoint Simulation::renew() {
 
 namespace {
 
-/// The smallest σ_r that a motion comes to between two instants, and when: golden section, the way there by small
+/// The smallest σ_r that a motion comes to between two instants, and where: golden section, the way there by small
 /// steps.
-std::pair<double, double> weakest(MotionSolver& solver, const MotionPoint& from, double end) {
+PassedStep weakest(MotionSolver& solver, const MotionPoint& from, double end) {
+  PassedStep result{from, std::numeric_limits<double>::max()};
   const auto sigma = [&](double t) {
     FullCoordinates form(solver, Stabilisation::projection, 0);
     const std::unique_ptr<Stepper> stepper =
@@ -135,9 +138,13 @@ std::pair<double, double> weakest(MotionSolver& solver, const MotionPoint& from,
     form.pack(from, y.data());
     stepper->start(from.state.t, y);
     while (stepper->t() < t)
-      if (!stepper->step(t)) return 0.0;  // too near to be evaluated
-    (void)solver.solve(form.unpack(t, stepper->y().data()).state);
-    return solver.sigma();
+      if (!stepper->step(t)) break;  // too near to be evaluated
+    const MotionPoint point = form.unpack(t, stepper->y().data());
+    const bool there = stepper->t() >= t;
+    if (there) (void)solver.solve(point.state);
+    const double found = there ? solver.sigma() : 0.0;
+    if (found < result.sigma) result = {point, found};
+    return found;
   };
   const double ratio = (std::sqrt(5.0) - 1) / 2;
   double a = from.state.t, b = end, c = b - ratio * (b - a), d = a + ratio * (b - a), fc = sigma(c), fd = sigma(d);
@@ -146,7 +153,7 @@ std::pair<double, double> weakest(MotionSolver& solver, const MotionPoint& from,
       b = d, d = c, fd = fc, c = b - ratio * (b - a), fc = sigma(c);
     else
       a = c, c = d, fc = fd, d = a + ratio * (b - a), fd = sigma(d);
-  return fc < fd ? std::pair(c, fc) : std::pair(d, fd);
+  return result;
 }
 
 }  // namespace
@@ -163,17 +170,32 @@ Outcome Simulation::watch_rank() {
   const double before = s.passed[0].sigma, middle = s.passed[1].sigma, behind = s.passed[2].sigma;
   // a dip that may reach zero between the steps, as |t − t*| does
   if (!(middle <= before && middle <= behind && middle < before - middle + behind - middle)) return {};
-  const auto [t, sigma] = weakest(*s.solver, s.passed[0].point, here.state.t);
+  const PassedStep least = weakest(*s.solver, s.passed[0].point, here.state.t);
   constexpr double zero = 1e-6;
-  if (sigma > zero) return {};
+  if (least.sigma > zero) return {};
+  const bool choose = s.options.singular == SingularPolicy::branch;
+  if (choose && take_branch(least.point)) return {};
   Outcome outcome;
   outcome.status = Status::singular;
   outcome.rank = s.solver->policy().rank;
   outcome.message = fmt::format(
       "singular configuration at t = {:.9g} s: the rank of the closure conditions drops below {} for a moment, and "
-      "which way the motion goes on is not determined by them; the policy 'pass' goes on with the present velocities",
-      t, outcome.rank);
+      "which way the motion goes on is not determined by them; {}",
+      least.point.state.t, outcome.rank,
+      choose ? "there is no such branch, or the mechanism has more freedoms than one"
+             : "the policy 'pass' goes on with the present velocities, 'branch' along a branch you name");
   return outcome;
+}
+
+bool Simulation::take_branch(const MotionPoint& crossing) {
+  Parts& s = *parts_;
+  const std::optional<BranchStart> start = choose_branch(*s.solver, crossing.state, s.options.branch);
+  if (!start) return false;
+  s.branch_changes.push_back({start->crossing, s.options.branch, start->branches, start->energy_change});
+  s.steps_before = steps();
+  s.passed.clear();
+  s.build({start->state, crossing.work + start->energy_change}, {}, 0);
+  return true;
 }
 
 Outcome Simulation::step(double limit) {
@@ -203,6 +225,8 @@ MotionPoint Simulation::point() const { return parts_->form->unpack(t(), parts_-
 double Simulation::next_step() const { return parts_->stepper->next_step(); }
 int Simulation::held_rank() const { return parts_->solver->policy().rank; }
 std::span<const IndependentChange> Simulation::changes() const { return parts_->form->changes(); }
+
+std::span<const BranchChange> Simulation::branch_changes() const { return parts_->branch_changes; }
 
 StepperCounts Simulation::steps() const {
   StepperCounts counts = parts_->stepper->counts();

@@ -15,8 +15,9 @@ namespace lanc {
 
 /// What to do where the rank of the closure conditions drops for a moment.
 enum class SingularPolicy : unsigned char {
-  stop,  // end there: what follows is not determined by the conditions
-  pass   // go on with the present velocities; directions that the conditions leave free there are carried by inertia
+  stop,   // end there: what follows is not determined by the conditions
+  pass,   // go on with the present velocities; directions that the conditions leave free there are carried by inertia
+  branch  // go on along the branch SimulationOptions::branch
 };
 
 struct SimulationOptions {
@@ -26,6 +27,7 @@ struct SimulationOptions {
   double baumgarte_time = 0;     // s, 1/α; 0: see baumgarte_rule()
   double spectral_radius = 0.8;  // at infinite frequency, of generalized-alpha
   SingularPolicy singular = SingularPolicy::stop;
+  int branch = 1;               // of those that cross, by how straight they go on from the velocities there
   std::vector<int> candidates;  // velocities that may be chosen as independent ones (minimal); empty: all
   Loads<double> loads;          // constant
 };
@@ -52,6 +54,13 @@ struct Instant {
 struct PassedStep {
   MotionPoint point;
   double sigma = 0;  // σ_r
+};
+
+/// A crossing of branches at which one was chosen.
+struct BranchChange {
+  double t = 0;
+  int choice = 0, branches = 0;
+  double energy_change = 0;  // J, of the jump of velocities; counted as work
 };
 
 /// Everything a run has to remember to go on the same way, bit by bit.
@@ -95,9 +104,12 @@ class Simulation {
   int held_rank() const;
   /// Changes of the independent velocities since begin() or resume() or renew().
   std::span<const IndependentChange> changes() const;
+  /// Branches that were chosen, since the object was made.
+  std::span<const BranchChange> branch_changes() const;
 
  private:
   Outcome watch_rank();
+  bool take_branch(const MotionPoint& crossing);
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };

@@ -177,7 +177,7 @@ TEST(Simulate, refuses_what_it_cannot_do) {
            {{"chain:2", "--point", "P=b1:0,0"}, "three numbers are needed"},
            {{"chain:2", "--stop-when", "q.j1=2"}, "'QUANTITY<VALUE'"},
            {{"chain:2", "--stop-when", "q.j7>2"}, "there is no quantity 'q.j7'"},
-           {{"chain:2", "--singular", "jump"}, "choose stop or pass"},
+           {{"chain:2", "--singular", "jump"}, "choose stop, pass, or branch:1"},
            {{"four-bar-ladder:1:angle=2.6:rate=0.5", "--stabilisation", "minimal", "--independent", "nobody"},
             "there is no velocity 'nobody'"}}) {
     Words all = words;

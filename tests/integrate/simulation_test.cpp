@@ -209,6 +209,35 @@ TEST(Singular, positions_stop_a_run_or_are_passed) {
   EXPECT_LT(std::abs(now.energy_drift), 1e-6);
 }
 
+TEST(Singular, positions_are_left_on_the_branch_that_was_chosen) {
+  // a parallelogram, flat on its way: it goes on as a parallelogram (straight), or as an antiparallelogram
+  const Mechanism m = load_mechanism("four-bar-ladder:1:angle=2.6:rate=6");
+  for (const int branch : {1, 2}) {
+    SimulationOptions options = ways("recursive", "rk4", "minimal", 0, 1e-3);
+    options.singular = SingularPolicy::branch;
+    options.branch = branch;
+    Simulation simulation(m.model, options);
+    ASSERT_TRUE(simulation.begin(m.state).usable());
+    while (simulation.branch_changes().empty()) ASSERT_TRUE(simulation.t() < 5 && simulation.step(5).usable());
+    EXPECT_EQ(simulation.branch_changes()[0].branches, 2);
+    const double end = simulation.t() + 0.05;
+    while (simulation.t() < end) ASSERT_TRUE(simulation.step(end).usable());
+    const Instant now = simulation.instant();
+    const std::vector<double>& q = now.point.state.q;  // uprights u0 and u1, and the coupler between
+    const double coupler = std::remainder(q[0] + q[1], 2 * M_PI);
+    const double lost = simulation.branch_changes()[0].energy_change;
+    if (branch == 1) {
+      EXPECT_NEAR(coupler, 0, 1e-9);  // horizontal
+      EXPECT_NEAR(lost, 0, 1e-9);
+    } else {
+      EXPECT_GT(std::abs(coupler), 0.01);
+      EXPECT_LE(lost, 1e-12);
+    }
+    EXPECT_LT(std::abs(now.energy_drift), 1e-6);
+    EXPECT_LT(now.position_violation, 1e-12);
+  }
+}
+
 TEST(Checkpoints, lead_to_the_same_numbers_bit_by_bit) {
   for (const char* model : {"random:6:seed=4:driven=no", "four-bar-ladder:2:angle=2.6:rate=0.5"}) {
     const Mechanism m = load_mechanism(model);
