@@ -21,15 +21,13 @@ struct Options {
   double tolerance = 1e-12, steps = 20000;
 };
 
-std::string slug(const ReferenceProblem& problem) { return problem.reference.substr(0, problem.reference.find('.')); }
-
 std::vector<ReferenceProblem> chosen_problems(const Options& options, bool quick) {
   static const std::vector<std::string> quick_ones = {"a01", "a02-2", "slider-crank", "four-bar-spring"};
   std::vector<ReferenceProblem> list;
   std::vector<std::string> names;
   for (ReferenceProblem& problem : read_reference_problems(LANC_DATA_DIR)) {
     if (problem.model.empty()) continue;
-    const std::string name = slug(problem);
+    const std::string name = problem.short_name();
     names.push_back(name);
     const bool asked = !matching({name}, options.problems).empty() && matching({name}, options.problems)[0] == name;
     const bool in_quick = std::find(quick_ones.begin(), quick_ones.end(), name) != quick_ones.end();
@@ -102,23 +100,24 @@ void solve(Experiment& e, const Options& options, const ReferenceProblem& proble
   const std::vector<Way> list = ways(e, options, problem, mechanism.model);
   e.progress().start(static_cast<std::int64_t>(list.size()));
   if (problem.end == 0) {
-    const Cell cell = e.cell(slug(problem), mechanism.model, "", "rest");
+    const Cell cell = e.cell(problem.short_name(), mechanism.model, "", "rest");
     if (!e.report().has(cell)) e.report().write(cell, measurements(compare_rest(problem, mechanism)));
   }
   for (const Way& way : list) {
-    const Cell cell = e.cell(slug(problem), mechanism.model, std::string(way.formulation->name),
+    const Cell cell = e.cell(problem.short_name(), mechanism.model, std::string(way.formulation->name),
                              way.parameters(options.tolerance, step));
-    e.progress().advance(0, fmt::format("{} {} {}", slug(problem), way.formulation->name, way.integrator));
+    e.progress().advance(0, fmt::format("{} {} {}", problem.short_name(), way.formulation->name, way.integrator));
     if (!e.report().has(cell)) {
       if (const auto why = way.formulation->objection(mechanism.model)) {
         e.report().write(cell, refused(std::string(to_string(Status::objection))));
       } else {
         const Comparison c = compare(problem, mechanism, way.options(options.tolerance, step));
         if (!c.outcome.usable())
-          e.progress().say(fmt::format("{} {} {} {}: {}: {}", slug(problem), way.formulation->name, way.integrator,
-                                       way.stabilisation, to_string(c.outcome.status), c.outcome.message));
+          e.progress().say(fmt::format("{} {} {} {}: {}: {}", problem.short_name(), way.formulation->name,
+                                       way.integrator, way.stabilisation, to_string(c.outcome.status),
+                                       c.outcome.message));
         else if (!c.passed())
-          e.progress().say(fmt::format("{} {} {} {}: {} at t = {} misses by {:.3g} tolerances", slug(problem),
+          e.progress().say(fmt::format("{} {} {} {}: {} at t = {} misses by {:.3g} tolerances", problem.short_name(),
                                        way.formulation->name, way.integrator, way.stabilisation, c.worst_quantity,
                                        c.worst_t, c.worst));
         e.report().write(cell, measurements(c));

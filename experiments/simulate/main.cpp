@@ -73,6 +73,8 @@ int main(int argc, char** argv) {
   program.option("--tolerance", simulation.tolerance, {1e-16, 1}, "of the error estimate, relative and absolute");
   program.option("--step", simulation.step, {1e-12, 1e12},
                  "of integrators with fixed steps, s; the interval is divided");
+  program.option("--spectral-radius", simulation.spectral_radius, {0, 1},
+                 "at infinite frequency, of generalized-alpha");
   program.option("--baumgarte-time", simulation.baumgarte_time, {0, 1e12},
                  "1/alpha, s; 0: ten fixed steps, or a twentieth of sqrt(length/gravity)");
   program.option(

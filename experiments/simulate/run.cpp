@@ -76,6 +76,8 @@ class Run {
             {"wrenches", std::to_string(input_.loads.wrenches.size())},
             {"formulation", options_.simulation.formulation},
             {"parameters", options_.parameters},
+            {"baumgarte-time", fmt::format("{}", options_.simulation.baumgarte_time)},
+            {"spectral-radius", fmt::format("{}", options_.simulation.spectral_radius)},
             {"end", fmt::format("{}", options_.end)},
             {"interval", fmt::format("{}", options_.interval)},
             {"checkpoint-every", std::to_string(options_.checkpoint_every)},

@@ -17,8 +17,6 @@ struct Options {
   std::string problems, integrators = "*", stabilisations = "*";
 };
 
-std::string slug(const ReferenceProblem& problem) { return problem.reference.substr(0, problem.reference.find('.')); }
-
 std::vector<ReferenceProblem> chosen_problems(const Options& options, bool quick) {
   // one of each kind: a tree, redundant and singular loops, a stiff tree, fast and slow loops, a driven one
   static const std::vector<std::string> standard = {"a01",     "a02-2",    "a04",         "a05",
@@ -26,7 +24,7 @@ std::vector<ReferenceProblem> chosen_problems(const Options& options, bool quick
   std::vector<ReferenceProblem> list;
   for (ReferenceProblem& problem : read_reference_problems(LANC_DATA_DIR)) {
     if (problem.model.empty() || problem.end == 0) continue;
-    const std::string name = slug(problem);
+    const std::string name = problem.short_name();
     const auto matches = [&](const std::string& glob) { return matching({name}, glob) == std::vector{name}; };
     const bool asked = !options.problems.empty() ? matches(options.problems)
                        : quick                   ? name == "slider-crank"
@@ -41,7 +39,7 @@ void measure(Experiment& e, const ReferenceProblem& problem, const Mechanism& m,
              bool& worth) {
   // levels 1e-3 .. 1e-12; fixed steps from a hundred on, doubled each time
   const double tolerance = std::pow(10.0, -3 - level), step = problem.end / (100 * std::pow(2.0, level));
-  const Cell cell = e.cell(slug(problem), m.model, std::string(way.formulation->name),
+  const Cell cell = e.cell(problem.short_name(), m.model, std::string(way.formulation->name),
                            fmt::format("{}", way.parameters(tolerance, step)));
   if (e.report().has(cell) || !worth) return;
   std::vector<double> times;
@@ -77,7 +75,7 @@ void run(Experiment& e, const Options& options) {
         bool worth = true;
         for (int level = 0; level < levels; ++level) {
           measure(e, problem, m, {f, integrator, stabilisation, find_integrator(integrator).fixed_step}, level, worth);
-          e.progress().advance(1, fmt::format("{} {} {}", slug(problem), integrator, stabilisation));
+          e.progress().advance(1, fmt::format("{} {} {}", problem.short_name(), integrator, stabilisation));
         }
       }
     }

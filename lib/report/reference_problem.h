@@ -25,6 +25,9 @@ struct ReferenceProblem {
   std::string reference;            // name of the CSV
   std::vector<std::string> tests;
   std::vector<ReferenceValue> values;  // by time
+
+  /// What programs call it: the name of the CSV without its ending.
+  std::string short_name() const { return reference.substr(0, reference.find('.')); }
 };
 
 /// All of them, from the folder `data`; model files with their paths. Throws InputError with file and line.
