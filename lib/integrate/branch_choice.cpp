@@ -10,9 +10,7 @@
 namespace lanc {
 namespace {
 
-using Vector = Eigen::VectorXd;
-
-State<double> with_velocities(State<double> state, const Vector& v) {
+State<double> with_velocities(State<double> state, const Eigen::VectorXd& v) {
   state.v.assign(v.begin(), v.end());
   return state;
 }
@@ -28,18 +26,18 @@ std::optional<BranchStart> choose_branch(MotionSolver& solver, const State<doubl
   if (!singular || singular->tangents.empty()) return std::nullopt;
 
   const ClosureScaling scaling(model);
-  const Eigen::Map<const Vector> unit(scaling.column.data(), model.nv()), v(near.v.data(), model.nv());
+  const Eigen::Map<const Eigen::VectorXd> unit(scaling.column.data(), model.nv()), v(near.v.data(), model.nv());
   Evaluator<double> evaluator(model);
   const std::vector<double> mass = mass_matrix(evaluator.system(singular->state));
   const Eigen::Map<const Eigen::MatrixXd> M(mass.data(), model.nv(), model.nv());
   struct Candidate {
-    Vector direction, scaled;  // velocities; along, not against, the present ones
-    double along, straight;    // of v, in the metric M̄; cosine of the angle between them
+    Eigen::VectorXd direction, scaled;  // velocities; along, not against, the present ones
+    double along, straight;             // of v, in the metric M̄; cosine of the angle between them
   };
   std::vector<Candidate> candidates;
   const double size = std::sqrt(v.dot(M * v));
-  for (const Vector& tangent : singular->tangents) {
-    Vector direction = tangent.cwiseProduct(unit);
+  for (const Eigen::VectorXd& tangent : singular->tangents) {
+    Eigen::VectorXd direction = tangent.cwiseProduct(unit);
     const double part = direction.dot(M * v), norm2 = direction.dot(M * direction);
     const double sign = part < 0 ? -1 : 1;
     candidates.push_back({sign * direction, sign * tangent, std::abs(part) / norm2,
@@ -62,7 +60,7 @@ std::optional<BranchStart> choose_branch(MotionSolver& solver, const State<doubl
   const BranchTracer tracer(model, singular->state, rank, chosen.scaled);
   const std::optional<BranchPoint> behind = tracer.at(way);
   if (!behind) return std::nullopt;
-  const Vector tangent = behind->tangent.cwiseProduct(unit);
+  const Eigen::VectorXd tangent = behind->tangent.cwiseProduct(unit);
   const Energy<double> at_unit_speed = energy(evaluator, with_velocities(behind->state, tangent));
   const double speed2 = (energy_here - at_unit_speed.potential) / at_unit_speed.kinetic;
   if (!(speed2 > 0)) return std::nullopt;  // it turns back before

@@ -9,8 +9,6 @@
 namespace lanc {
 namespace {
 
-using Vector = Eigen::Map<Eigen::VectorXd>;
-
 /// The stabilised index-2 form of Gear, Gupta & Leimkuhler (1985, J. Comput. Appl. Math. 12-13, 77-90), with closure
 /// conditions of positions and of velocities both held:
 ///
@@ -83,6 +81,7 @@ class Ida : public Stepper {
   }
 
  private:
+  using Vector = Eigen::Map<Eigen::VectorXd>;
   static Vector map(N_Vector v) { return {sundials::data(v), N_VGetLength(v)}; }
 
   void create(double relative) {
