@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "experiments/simulate/run.h"
 #include "lib/model/error.h"
@@ -59,6 +61,12 @@ std::optional<Checkpoint> read_checkpoint(const std::string& csv, const Model& m
     const std::vector<long> steps = document.at("steps"), evaluations = document.at("evaluations");
     c.steps = {steps.at(0), steps.at(1), steps.at(2)};
     c.evaluations = {evaluations.at(0), evaluations.at(1), evaluations.at(2), evaluations.at(3)};
+    const int freedoms = model.nv() - std::max(c.rank, 0);
+    const std::set<int> different(c.independent.begin(), c.independent.end());
+    if (c.rank < -1 || c.rank > std::min(model.nv(), model.closures().rows()) ||
+        (!c.independent.empty() && (static_cast<int>(different.size()) != freedoms || *different.begin() < 0 ||
+                                    *different.rbegin() >= model.nv() || different.size() != c.independent.size())))
+      throw InputError("its rank or its independent velocities cannot be those of this model");
     for (const nlohmann::json& step : document.at("passed"))
       c.passed.push_back({read_motion_point(step, model), step.at("sigma")});
     return c;

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "lib/model/error.h"
@@ -14,6 +17,18 @@
 
 namespace lanc {
 namespace {
+
+std::string state_name(const std::string& csv) { return std::filesystem::path(csv).replace_extension(".state.json"); }
+
+/// FNV-1a of a file's bytes, so that another model of the same name is seen; empty for a generator.
+std::string contents_hash(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return {};
+  std::uint64_t hash = 14695981039346656037u;
+  for (std::istreambuf_iterator<char> byte(in), end; byte != end; ++byte)
+    hash = (hash ^ static_cast<unsigned char>(*byte)) * 1099511628211u;
+  return fmt::format("{:016x}", hash);
+}
 
 class Run {
  public:
@@ -36,6 +51,7 @@ class Run {
     std::int64_t row = 0;
     if (began()) row = rows_done();
     if (began() && row == 0) last_ = simulation_.renew();
+    if (outcome.usable()) stop_at_start();
     while (outcome.usable() && row < rows && !met_) {
       progress_.advance(row, fmt::format("t = {:.6g} s", simulation_.t()));
       ++row;
@@ -50,9 +66,16 @@ class Run {
   }
 
  private:
-  static std::vector<StopCondition> read_conditions(const std::vector<std::string>& texts) {
+  /// Names are looked up now, before a file is touched.
+  std::vector<StopCondition> read_conditions(const std::vector<std::string>& texts) {
     std::vector<StopCondition> list;
-    for (const std::string& text : texts) list.push_back(read_stop_condition(text));
+    Instant any;
+    any.point.state = input_.state;
+    any.solution = Solution<double>(input_.model);
+    for (const std::string& text : texts) {
+      list.push_back(read_stop_condition(text));
+      (void)list.back().distance(quantities_.at(any));
+    }
     return list;
   }
 
@@ -73,7 +96,8 @@ class Run {
             {"q", text(input_.state.q)},
             {"v", text(input_.state.v)},
             {"tau", text(input_.loads.tau)},
-            {"wrenches", std::to_string(input_.loads.wrenches.size())},
+            {"wrenches", wrenches()},
+            {"model_file", contents_hash(input_.argument)},
             {"formulation", options_.simulation.formulation},
             {"parameters", options_.parameters},
             {"baumgarte-time", fmt::format("{}", options_.simulation.baumgarte_time)},
@@ -88,11 +112,29 @@ class Run {
             {"stop-when", fmt::format("{}", fmt::join(options_.stop_when, " "))}};
   }
 
+  std::string wrenches() const {
+    std::string text;
+    for (const auto& w : input_.loads.wrenches)
+      text += fmt::format("{}={},{},{},{},{},{} ", w.body, w.wrench.moment.x, w.wrench.moment.y, w.wrench.moment.z,
+                          w.wrench.force.x, w.wrench.force.y, w.wrench.force.z);
+    return text;
+  }
+
   Outcome begin() {
     if (options_.resume)
-      if (const auto checkpoint = read_checkpoint(input_.out, input_.model))
-        return simulation_.resume(last_ = *checkpoint);
+      if (const auto checkpoint = read_checkpoint(input_.out, input_.model)) return resume(*checkpoint);
     return simulation_.begin(input_.state);
+  }
+
+  /// The row before the checkpoint must be there: the last one may have been dropped as incomplete.
+  Outcome resume(const Checkpoint& checkpoint) {
+    const double start = input_.state.t, t = checkpoint.point.state.t;
+    const std::int64_t row = std::llround((t - start) / options_.interval);
+    const bool on_the_way = t >= start && t <= options_.end;
+    if (!on_the_way || (row > 0 && !report_.has(cell(start + static_cast<double>(row - 1) * options_.interval))))
+      throw InputError(fmt::format("{} does not belong to {}, which ends before it; run without --resume",
+                                   checkpoint_name(input_.out), input_.out));
+    return simulation_.resume(last_ = checkpoint);
   }
 
   std::int64_t rows_done() const { return std::llround((simulation_.t() - input_.state.t) / options_.interval); }
@@ -111,19 +153,37 @@ class Run {
     while (simulation_.t() < limit) {
       const double before = simulation_.t();
       if (Outcome outcome = simulation_.step(limit); !outcome.usable()) return outcome;
-      for (const StopCondition& condition : conditions_)
-        if (condition.distance(quantities_.at(simulation_.instant())) >= 0 && before < simulation_.t()) {
-          locate(condition, last_, simulation_.t(), simulation_, quantities_);
-          met_ = &condition;
-          return write_instant();
-        }
+      if (before < simulation_.t() && find_stop()) return write_instant();
     }
-    write_changes();
-    write_branches();
     return write_instant();
   }
 
+  /// The condition that is met first in the step that was taken; goes back to where it is.
+  bool find_stop() {
+    std::vector<const StopCondition*> met;
+    for (const StopCondition& condition : conditions_)
+      if (condition.distance(quantities_.at(simulation_.instant())) >= 0) met.push_back(&condition);
+    if (met.empty()) return false;
+    write_changes();
+    write_branches();
+    const double end = simulation_.t();
+    double first = end;
+    for (const StopCondition* condition : met) {
+      locate(*condition, last_, end, simulation_, quantities_);
+      if (!met_ || simulation_.t() < first) met_ = condition, first = simulation_.t();
+    }
+    locate(*met_, last_, end, simulation_, quantities_);
+    return true;
+  }
+
+  void stop_at_start() {
+    for (const StopCondition& condition : conditions_)
+      if (!met_ && condition.distance(quantities_.at(simulation_.instant())) >= 0) met_ = &condition;
+  }
+
   Outcome write_instant() {
+    write_changes();
+    write_branches();
     const Instant now = simulation_.instant();
     drift_ = std::max(drift_, std::abs(now.energy_drift));
     violation_ = std::max(violation_, now.position_violation);
@@ -173,9 +233,11 @@ class Run {
     if (!outcome.usable() && input_.out != "-") {
       const State<double> state = began() ? simulation_.point().state : input_.state;
       const nlohmann::ordered_json document = {{"t", state.t}, {"q", state.q}, {"v", state.v}};
-      replace_file(std::filesystem::path(input_.out).replace_extension(".state.json"), document.dump(1) + "\n");
+      replace_file(state_name(input_.out), document.dump(1) + "\n");
     }
     if (!began()) return;
+    write_changes();
+    write_branches();
     const StepperCounts steps = simulation_.steps();
     const MotionCounts evaluations = simulation_.evaluations();
     const auto count = [&](const char* what, long value) {
@@ -236,7 +298,9 @@ class Run {
 StateOutput run(const StateInput& input, const RunOptions& options) {
   // before the CSV is begun: a checkpoint of another run must not be taken for one of this
   std::error_code none;
+  if (options.resume && input.out == "-") throw InputError("--resume needs a file, --out FILE");
   if (!options.resume && input.out != "-") std::filesystem::remove(checkpoint_name(input.out), none);
+  if (input.out != "-") std::filesystem::remove(state_name(input.out), none);
   return Run(input, options).go();
 }
 

@@ -12,10 +12,11 @@ StopCondition read_stop_condition(const std::string& text) {
   if (sign == text.npos || sign == 0)
     throw InputError(
         fmt::format("--stop-when '{}' is not of the form 'QUANTITY<VALUE' or 'QUANTITY>VALUE', for "
-                    "example 'q.j1>1.5'",
+                    "example 'q.j1.angle>1.5'",
                     text));
   const std::vector<double> value = read_numbers("--stop-when", text.substr(sign + 1));
-  if (value.size() != 1) throw InputError(fmt::format("--stop-when '{}': one number is needed", text));
+  if (value.size() != 1 || !std::isfinite(value[0]))
+    throw InputError(fmt::format("--stop-when '{}': one finite number is needed", text));
   std::string quantity = text.substr(0, sign);
   quantity.erase(quantity.find_last_not_of(" \t") + 1);
   return {text, quantity, value[0], text[sign] == '>'};

@@ -48,9 +48,9 @@ class Ida : public Stepper {
     kind.tail(2 * rows_).setZero();
     tolerance = relative * Eigen::VectorXd::Ones(size_);
     for (int k = 0; k < form_.size(); ++k) tolerance[k] *= form_.scale()[k];
-    // algebraic: no part of the error test, only of Newton's
-    const double force = std::max(1.0, lambda.size() > 0 ? lambda.cwiseAbs().maxCoeff() : 0.0);
-    tolerance.segment(form_.size(), rows_) *= 1e3 * force;
+    // λ and μ are algebraic, and rounding errors over short steps: no part of any test
+    constexpr double untested = 1e20;
+    tolerance.tail(2 * rows_).setConstant(untested);
     create(relative);
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "lib/closure/assembly.h"
 #include "lib/closure/explicit.h"
@@ -25,6 +26,8 @@ using Matrix = Eigen::MatrixXd;
 
 /// Departures of all velocities' integrals, velocities and accelerations from those of the independent ones:
 /// δx = J δs, δη = J δṡ + V δs, δη̇ = J δs̈ + A δṡ + B δs.
+constexpr double most_conditioned = 1e12;
+
 struct Departures {
   std::vector<int> independent;
   double condition = 1;
@@ -41,6 +44,7 @@ Departures departures(const Model& model, const System<double>& system, const Cl
   const ExplicitConditions& conditions = closures.at(system, decision);
   result.independent = conditions.independent;
   result.condition = conditions.condition;
+  if (!(result.condition < most_conditioned)) return result;
   result.J = conditions.J;
   const auto f = static_cast<Eigen::Index>(conditions.independent.size());
   result.V = result.A = result.B = Matrix::Zero(nv, f);
@@ -88,13 +92,22 @@ Outcome linearise(const Model& model, const State<double>& state, const std::vec
   if (!formulation) return {Status::objection, "no recursive formulation is registered"};
   MotionSolver solver(model, *formulation, {});
   const Outcome outcome = solver.solve(state);
-  if (!outcome.usable()) return outcome;
+  if (!outcome.usable() || model.nv() == 0) return outcome;
+  const int freedoms = model.nv() - (model.has_closures() ? outcome.rank : 0);
+  if (!chosen.empty() && (static_cast<int>(chosen.size()) != freedoms ||
+                          static_cast<int>(std::set<int>(chosen.begin(), chosen.end()).size()) != freedoms))
+    throw InputError(
+        fmt::format("{} independent velocities are named; the mechanism has {} freedoms here, name as many, "
+                    "each once",
+                    chosen.size(), freedoms));
   ClosureRank<double> rank(model);
   const ClosureDecision& decision = rank.decide(solver.system());
   Differentiator differentiator(model, {});
   MotionCounts counts;
   const MotionDerivatives& d = differentiator.at(state, solver.solution().vdot, solver.solution().lambda, counts);
   const Departures way = departures(model, solver.system(), decision, d, chosen);
+  if (!(way.condition < most_conditioned))
+    return {Status::singular, "the velocities named are not independent here: the others do not follow from them"};
 
   const Matrix M = full_mass(solver.system());
   const Matrix stiffness = d.balance.leftCols(model.nq()) * d.coordinate_rate.rightCols(model.nv());
@@ -181,6 +194,7 @@ Outcome equilibrium(const Model& model, State<double>& state, const EquilibriumO
   const ClosureScaling scaling(model);
   const Eigen::Map<const Eigen::VectorXd> scale(scaling.column.data(), model.nv());
   std::fill(state.v.begin(), state.v.end(), 0.0);
+  if (model.nv() == 0) return {};
   double left = 0, before = std::numeric_limits<double>::infinity();
   for (int step = 0; step < options.steps; ++step) {
     if (model.has_closures()) {

@@ -50,7 +50,12 @@ struct Simulation::Parts {
 
   Parts(const Model& m, SimulationOptions o) : model(m), options(std::move(o)) {
     formulation = find_formulation(options.formulation);
-    if (!formulation) throw InputError(fmt::format("there is no formulation '{}'", options.formulation));
+    if (!formulation) {
+      std::string names;
+      for (const FormulationInfo& info : formulations())
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", info.name);
+      throw InputError(fmt::format("there is no formulation '{}'; choose from {}", options.formulation, names));
+    }
     integrator = &find_integrator(options.integrator);
     stabilisation = find_stabilisation(options.stabilisation);
     if (!model.has_closures()) stabilisation = Stabilisation::none;
@@ -204,7 +209,8 @@ Outcome Simulation::step(double limit) {
   if (s.stepper->step(limit)) {
     constexpr double shortest = 1e-12;
     constexpr int most = 100;
-    const bool tiny = s.stepper->t() - before < shortest * std::max(1.0, std::abs(before)) && s.stepper->t() < limit;
+    const bool tiny = !s.integrator->fixed_step &&
+                      s.stepper->t() - before < shortest * std::max(1.0, std::abs(before)) && s.stepper->t() < limit;
     s.tiny_steps = tiny ? s.tiny_steps + 1 : 0;
     if (s.tiny_steps < most) return watch_rank();
     return {

@@ -163,6 +163,32 @@ TEST(Simulate, writes_the_path_of_a_point_and_stops_where_it_is_told_to) {
   EXPECT_NEAR(t, 2.367841947576237 / 4, 1e-9);
 }
 
+TEST(Simulate, stops_at_the_first_condition_that_is_met_and_at_once_where_one_is_met_at_the_start) {
+  const std::filesystem::path out = folder() / "stops.csv";
+  const Words turning = {"chain:1:gravity=0", "--q", "0", "--v", "1", "--integrator", "rk4", "--quiet", "--out", out};
+  const auto stopped = [&](const Words& conditions) {
+    Words all = turning;
+    for (const std::string& condition : conditions) all.insert(all.end(), {"--stop-when", condition});
+    const Finished r = run("simulate", all);
+    EXPECT_EQ(r.exit_code, 0) << r.error;
+    return std::stod(rows_of(out).back().cell.parameters.substr(2));
+  };
+  EXPECT_NEAR(stopped({"q.j1.angle>2.005", "q.j1.angle>2.002"}), 2.002, 1e-9);
+  EXPECT_EQ(stopped({"q.j1.angle>-1"}), 0);
+}
+
+TEST(Simulate, resumes_nothing_but_its_own_run) {
+  const std::filesystem::path out = folder() / "own.csv";
+  ASSERT_EQ(run("simulate", arguments("rk4", out)).exit_code, 0);
+  Words other = arguments("rk4", out, true);
+  other.insert(other.end(), {"--wrench", "u0=0,0,0,1,0,0"});
+  const Finished refused = run("simulate", other);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.error.find("wrenches"), std::string::npos) << refused.error;
+  std::filesystem::resize_file(out, 5000);  // a checkpoint that is ahead of its CSV
+  EXPECT_EQ(run("simulate", arguments("rk4", out, true)).exit_code, 2);
+}
+
 TEST(Simulate, refuses_what_it_cannot_do) {
   struct Case {
     Words words;
@@ -177,6 +203,10 @@ TEST(Simulate, refuses_what_it_cannot_do) {
            {{"chain:2", "--point", "P=b1:0,0"}, "three numbers are needed"},
            {{"chain:2", "--stop-when", "q.j1=2"}, "'QUANTITY<VALUE'"},
            {{"chain:2", "--stop-when", "q.j7>2"}, "there is no quantity 'q.j7'"},
+           {{"four-bar-ladder:1:angle=2.6", "--integrator", "generalized-alpha", "--stabilisation", "baumgarte"},
+            "holds the closure conditions itself"},
+           {{"chain:2", "--stabilisation", "glue"}, "there is no stabilisation 'glue'"},
+           {{"chain:2", "--stop-when", "q.j1.angle>nan"}, "one finite number"},
            {{"chain:2", "--singular", "jump"}, "choose stop, pass, or branch:1"},
            {{"four-bar-ladder:1:angle=2.6:rate=0.5", "--stabilisation", "minimal", "--independent", "nobody"},
             "there is no velocity 'nobody'"}}) {

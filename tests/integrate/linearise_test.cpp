@@ -78,6 +78,23 @@ armature = 1e-300
   EXPECT_NEAR(motion.eigenvalues[0].real(), -3, 1e-12);
 }
 
+TEST(Linearised, independent_velocities_must_be_as_many_as_there_are_freedoms_each_once) {
+  const Mechanism tree = load_mechanism("chain:3"), loop = load_mechanism("four-bar-ladder:1:angle=0.7");
+  LinearisedMotion motion;
+  EXPECT_THROW((void)linearise(tree.model, tree.state, {0}, motion), InputError);
+  EXPECT_THROW((void)linearise(tree.model, tree.state, {0, 1, 1}, motion), InputError);
+  EXPECT_THROW((void)linearise(loop.model, loop.state, {0, 1}, motion), InputError);
+  EXPECT_TRUE(linearise(loop.model, loop.state, {0}, motion).usable());
+}
+
+TEST(Linearised, a_mechanism_without_freedom_has_nothing_to_tell) {
+  Mechanism m = load_mechanism(LANC_SOURCE_DIR "/data/models/joint-fixed.toml");
+  LinearisedMotion motion;
+  EXPECT_TRUE(equilibrium(m.model, m.state).usable());
+  EXPECT_TRUE(linearise(m.model, m.state, {}, motion).usable());
+  EXPECT_TRUE(motion.eigenvalues.empty());
+}
+
 TEST(Equilibrium, of_a_pendulum_is_found_from_anywhere_when_it_has_to_be_stable) {
   Mechanism m = load_toml_text(double_pendulum, "pendulum");
   for (const double start : {0.1, 1.5, 3.0, 3.141592653589793, -2.0}) {
