@@ -84,7 +84,7 @@ int main(int argc, char** argv) {
        .question = "How far do closure conditions and energy drift, by stabilisation, over a long motion?",
        .models =
            [](bool quick) {
-             std::vector<std::string> models = {"four-bar-ladder:2:angle=0.3:rate=0"};
+             std::vector<std::string> models = {"four-bar-ladder:2:angle=2.4:rate=0"};
              if (!quick) models.push_back(LANC_DATA_DIR "/models/linkages/bricard.toml");
              return models;
            },

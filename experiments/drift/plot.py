@@ -50,7 +50,7 @@ def main():
             axes.grid(True, which="major", color="0.88", linewidth=0.6)
             if column == 0:
                 axes.set_ylabel(label)
-        grid[0][column].set_title(pathlib.PurePath(model).stem, fontsize=9)
+        grid[0][column].set_title(model.split("/")[-1], fontsize=9)
         grid[-1][column].set_xlabel("time, s")
     fig.legend([handles[w] for w in ways if w in handles], [w for w in ways if w in handles], loc="lower center", ncols=4,
                fontsize=8, frameon=False)

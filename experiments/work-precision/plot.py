@@ -39,7 +39,7 @@ def main():
     styles = figures.styles(ways)
     columns = min(4, len(data))
     lines = -(-len(data) // columns)
-    fig, grid = plt.subplots(lines, columns, figsize=(2.9 * columns + 0.6, 2.7 * lines + 1.5), squeeze=False)
+    fig, grid = plt.subplots(lines, columns, figsize=(max(2.9 * columns + 0.6, 7.5), 2.7 * lines + 2), squeeze=False)
     handles = {}
     for axes, (model, curves) in zip(grid.flat, data.items()):
         for way in ways:
@@ -59,7 +59,7 @@ def main():
         line[0].set_ylabel("processor time, s")
     fig.legend([handles[w] for w in ways if w in handles], [w for w in ways if w in handles], loc="lower center", ncols=4,
                fontsize=8, frameon=False)
-    fig.tight_layout(rect=(0, 1.2 / (2.7 * lines + 1.5), 1, 1))
+    fig.tight_layout(rect=(0, 1.7 / (2.7 * lines + 2), 1, 1))
     figures.save(fig, out)
 
 
