@@ -1,4 +1,5 @@
-// Runge-Kutta methods of SUNDIALS' ARKODE. Private to lib/integrate.
+// Runge-Kutta methods of SUNDIALS' ARKODE.
+// Private to lib/integrate.
 #pragma once
 
 #include "lib/integrate/stepper.h"

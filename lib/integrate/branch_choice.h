@@ -1,5 +1,5 @@
-// Through a configuration in which branches of motion cross, on the branch that the user names. Private to
-// lib/integrate.
+// Through a configuration in which branches of motion cross, on the branch that the user names.
+// Private to lib/integrate.
 #pragma once
 
 #include <optional>

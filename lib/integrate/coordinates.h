@@ -1,4 +1,5 @@
-// Position coordinates of all joints: rates, norms, units. Private to lib/integrate.
+// Position coordinates of all joints: rates, norms, units.
+// Private to lib/integrate.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// Multistep methods of SUNDIALS' CVODE. Private to lib/integrate.
+// Multistep methods of SUNDIALS' CVODE.
+// Private to lib/integrate.
 #pragma once
 
 #include "lib/integrate/stepper.h"

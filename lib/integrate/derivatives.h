@@ -1,4 +1,5 @@
-// The equations of motion as a residual, and its exact derivatives by dual numbers. Private to lib/integrate.
+// The equations of motion as a residual, and its exact derivatives by dual numbers.
+// Private to lib/integrate.
 #pragma once
 
 #include <Eigen/Core>

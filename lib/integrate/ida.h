@@ -1,4 +1,5 @@
-// Differential-algebraic equations by SUNDIALS' IDA. Private to lib/integrate.
+// Differential-algebraic equations by SUNDIALS' IDA.
+// Private to lib/integrate.
 #pragma once
 
 #include "lib/integrate/stepper.h"

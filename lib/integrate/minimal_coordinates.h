@@ -1,5 +1,6 @@
 // y = (q, η_s, work): independent velocities are integrated; dependent coordinates and velocities follow from the
-// closure conditions at every evaluation (theory, section 3). Private to lib/integrate.
+// closure conditions at every evaluation (theory, section 3).
+// Private to lib/integrate.
 #pragma once
 
 #include "lib/integrate/motion_solver.h"

@@ -1,4 +1,5 @@
-// SUNDIALS' objects, owned; its types appear here and in the files that include this. Private to lib/integrate.
+// SUNDIALS' objects, owned; its types appear here and in the files that include this.
+// Private to lib/integrate.
 #pragma once
 
 #include <nvector/nvector_serial.h>

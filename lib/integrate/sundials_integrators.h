@@ -1,4 +1,5 @@
-// The integrators that SUNDIALS brings, or none. Private to lib/integrate.
+// The integrators that SUNDIALS brings, or none.
+// Private to lib/integrate.
 #pragma once
 
 #include "lib/integrate/stepper.h"
