@@ -62,7 +62,7 @@ void run(Experiment& e, const Options& options) {
       if (!f->create_double || f->objection(m.model)) continue;
       for (const auto& [integrator, stabilisation] :
            pairs_of(options.integrators, options.stabilisations, m.model.has_closures())) {
-        const Way way{f, integrator, stabilisation, find_integrator(integrator).fixed_step};
+        const Way way{f, integrator, stabilisation};
         e.progress().say(fmt::format("{} {} {} {}", name, f->name, integrator, stabilisation));
         Largest largest;
         const Outcome outcome = follow(e, name, m, way, options, largest);

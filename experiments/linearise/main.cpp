@@ -70,20 +70,10 @@ StateOutput tell(const StateInput& input, const State<double>& state, const Outc
   return {text, 0};
 }
 
-StateOutput run(const StateInput& input, const std::string& rest, const std::string& independent) {
+StateOutput run(const StateInput& input, const std::string& rest, const std::vector<std::string>& independent) {
   if (rest != "no" && rest != "nearest" && rest != "stable")
     throw InputError(fmt::format("--equilibrium '{}': choose no, nearest or stable", rest));
-  std::vector<int> chosen;
-  const std::vector<std::string> names = input.model.velocity_names();
-  for (std::size_t at = 0; at < independent.size();) {
-    const std::size_t end = std::min(independent.find(',', at), independent.size());
-    const auto found = std::find(names.begin(), names.end(), independent.substr(at, end - at));
-    if (found == names.end())
-      throw InputError(fmt::format("--independent: there is no velocity '{}'; there are {}",
-                                   independent.substr(at, end - at), fmt::join(names, ", ")));
-    chosen.push_back(static_cast<int>(found - names.begin()));
-    at = end + 1;
-  }
+  const std::vector<int> chosen = velocities_named(input.model, "--independent", independent);
   State<double> state = input.state;
   Outcome outcome;
   LinearisedMotion motion;
@@ -95,7 +85,8 @@ StateOutput run(const StateInput& input, const std::string& rest, const std::str
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string rest = "no", independent;
+  std::string rest = "no";
+  std::vector<std::string> independent;
   lanc::StateProgram program("linearise",
                              "Small motions about a state: M, C and K in independent coordinates, and eigenvalues.\n"
                              "Exit code 0 only when solved (or redundant), 1 for any other status, 2 for bad input.",
@@ -103,6 +94,6 @@ int main(int argc, char** argv) {
   program.option(
       "--equilibrium", rest,
       "no: about the state given; nearest: about the state of rest nearby; stable: a minimum of the potential");
-  program.option("--independent", independent, "velocities to be independent, commas between (default: the best)");
+  program.list("--independent", independent, "velocity to be independent; repeatable; default: the best");
   return program.run(argc, argv, [&](const lanc::StateInput& input) { return run(input, rest, independent); });
 }

@@ -45,7 +45,7 @@ std::vector<Way> ways(const Experiment& e, const Options& options, const Referen
                       const Model& model) {
   std::vector<Way> list;
   const auto add = [&](const FormulationInfo* f, const std::pair<std::string, std::string>& pair) {
-    const Way way{f, pair.first, pair.second, find_integrator(pair.first).fixed_step};
+    const Way way{f, pair.first, pair.second};
     const bool known = std::any_of(list.begin(), list.end(), [&](const Way& w) {
       return w.formulation == f && w.integrator == way.integrator && w.stabilisation == way.stabilisation;
     });

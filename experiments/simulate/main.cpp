@@ -10,20 +10,6 @@ namespace {
 
 using namespace lanc;
 
-/// Velocity coordinates of these names.
-std::vector<int> candidates(const Model& model, const std::vector<std::string>& names) {
-  const std::vector<std::string> all = model.velocity_names();
-  std::vector<int> found;
-  for (const std::string& name : names) {
-    const auto at = std::find(all.begin(), all.end(), name);
-    if (at == all.end())
-      throw InputError(
-          fmt::format("--independent: there is no velocity '{}'; there are {}", name, fmt::join(all, ", ")));
-    found.push_back(static_cast<int>(at - all.begin()));
-  }
-  return found;
-}
-
 void read_singular_policy(const std::string& text, SimulationOptions& options) {
   if (text == "stop") {
     options.singular = SingularPolicy::stop;
@@ -108,8 +94,13 @@ int main(int argc, char** argv) {
       simulation.stabilisation = to_string(Stabilisation::none);
     else if (integrator.memory && simulation.stabilisation == preset_stabilisation)
       simulation.stabilisation = to_string(Stabilisation::baumgarte);
-    simulation.candidates = candidates(input.model, independent);
-    for (const std::string& text : points) options.quantities.points.push_back(read_point(input.model, text));
+    simulation.candidates = velocities_named(input.model, "--independent", independent);
+    for (const std::string& text : points) {
+      options.quantities.points.push_back(read_point(input.model, text));
+      const auto& all = options.quantities.points;
+      if (std::any_of(all.begin(), all.end() - 1, [&](const TracedPoint& p) { return p.name == all.back().name; }))
+        throw InputError(fmt::format("--point: two points are called '{}'", all.back().name));
+    }
     options.parameters =
         fmt::format("integrator={};stabilisation={};{}{}", simulation.integrator, simulation.stabilisation,
                     integrator.fixed_step ? fmt::format("step={}", simulation.step)

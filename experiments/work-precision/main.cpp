@@ -74,7 +74,7 @@ void run(Experiment& e, const Options& options) {
       for (const auto& [integrator, stabilisation] : pairs) {
         bool worth = true;
         for (int level = 0; level < levels; ++level) {
-          measure(e, problem, m, {f, integrator, stabilisation, find_integrator(integrator).fixed_step}, level, worth);
+          measure(e, problem, m, {f, integrator, stabilisation}, level, worth);
           e.progress().advance(1, fmt::format("{} {} {}", problem.short_name(), integrator, stabilisation));
         }
       }

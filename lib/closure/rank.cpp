@@ -11,23 +11,19 @@
 
 namespace lanc {
 
-namespace {
-
-/// The rows of loops that hang together.
-struct Block {
-  ClosureComponent part;
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::SparseMatrix<double> Gt;  // scaled, transposed
-  std::unique_ptr<RowSpace> space;
-
-  int rows() const { return static_cast<int>(part.rows.size()); }
-  int redundant() const { return rows() - space->rank(); }
-};
-
-}  // namespace
-
 template <class S>
 struct ClosureRank<S>::Work {
+  /// The rows of loops that hang together.
+  struct Block {
+    ClosureComponent part;
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::SparseMatrix<double> Gt;  // scaled, transposed
+    std::unique_ptr<RowSpace> space;
+
+    int rows() const { return static_cast<int>(part.rows.size()); }
+    int redundant() const { return rows() - space->rank(); }
+  };
+
   Model model;
   ClosureScaling scaling;
   std::vector<double> row_unit;  // of g, the inverse of its scale
@@ -212,9 +208,9 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   ClosureDecision& decision = work.decision;
   decision.worst_row = -1;
   work.jacobian.evaluate(system);
-  for (Block& block : work.blocks) work.decompose(block);
+  for (auto& block : work.blocks) work.decompose(block);
   work.choose_rank(policy);
-  for (const Block& block : work.blocks) work.select_rows(block);
+  for (const auto& block : work.blocks) work.select_rows(block);
   // on a motion: rounding errors at rest contradict one another, too, which nobody would notice beside gravity
   constexpr double negligible = 1e-3;
   const Vec3<double>& g = work.model.gravity();
@@ -242,7 +238,7 @@ const ClosureDecision& ClosureRank<S>::decision() const {
 /// Takes the part outside the range of G away from numbers that are scaled by `unit` a row.
 template <class S>
 void ClosureRank<S>::remove_outside(std::vector<S>& rows, const std::vector<double>& unit) const {
-  for (const Block& block : work_->blocks) {
+  for (const auto& block : work_->blocks) {
     if (block.redundant() == 0) continue;
     Eigen::VectorXd scaled(block.rows());
     for (int r = 0; r < block.rows(); ++r) scaled[r] = to_double(rows[block.part.rows[r]]) / unit[block.part.rows[r]];

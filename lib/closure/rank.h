@@ -16,7 +16,7 @@ namespace lanc {
 constexpr double zero_singular_value = 1e-10;
 constexpr double clear_singular_value = 1e-7;
 /// For motions that pass through singular configurations (RankPolicy::smallest): answers are as good as ε/σ², and what
-/// is left free for a moment is free for less than a microsecond of a motion of some 1/s.
+/// is left free for a moment is free for some microseconds of a motion of some 1/s.
 constexpr double passing_singular_value = 3e-6;
 /// How far a state may violate g = 0 and Gη + γ̄ = 0 (scaled) before it is called inconsistent; redundancy shows on the
 /// manifold only.

@@ -14,10 +14,13 @@ Differentiator::Differentiator(const Model& model, const Loads<double>& loads)
       solution_(model),
       rates_(model.nq()),
       tau_(model.nv()),
-      acceleration_(model.closures().rows()) {
-  const int columns = model.nq() + model.nv(), rows = model.closures().rows();
-  result_.coordinate_rate.resize(model.nq(), columns);
-  result_.balance.resize(model.nv(), columns);
+      acceleration_(model.closures().rows()) {}
+
+/// Dense: explicit integrators never ask for derivatives, and may follow 10⁵ bodies.
+void Differentiator::allocate() {
+  const int columns = model_.nq() + model_.nv(), rows = model_.closures().rows();
+  result_.coordinate_rate.resize(model_.nq(), columns);
+  result_.balance.resize(model_.nv(), columns);
   for (Eigen::MatrixXd* m : {&result_.position, &result_.velocity, &result_.acceleration}) m->resize(rows, columns);
 }
 
@@ -48,6 +51,7 @@ const MotionDerivatives& Differentiator::at(const State<double>& state, const st
   std::copy(vdot.begin(), vdot.end(), solution_.vdot.begin());
   std::copy(lambda.begin(), lambda.end(), solution_.lambda.begin());
   ++counts.jacobians;
+  if (result_.balance.cols() != columns) allocate();
   for (int first = 0; first < columns; first += lanes) {
     const int count = std::min(lanes, columns - first);
     State<D> seeded = cast<D>(state);

@@ -28,6 +28,7 @@ class Differentiator {
 
  private:
   using D = Dual<lanes>;
+  void allocate();
   void evaluate(State<D> state);
   void store(int first, int count);
 

@@ -59,7 +59,6 @@ Outcome FullCoordinates::solve(State<double>& state) {
 Evaluation FullCoordinates::rate(double t, const double* y, double* ydot) {
   State<double> state = unpack(t, y).state;
   outcome_ = solve(state);
-  counts_ = solver_.counts();
   if (!outcome_.usable()) return evaluation_of(outcome_, solver_.policy());
   coordinate_rates(solver_.model(), state.q.data(), state.v.data(), ydot);
   std::copy(solver_.solution().vdot.begin(), solver_.solution().vdot.end(), ydot + nq_);
@@ -87,7 +86,6 @@ Evaluation FullCoordinates::jacobian(double t, const double* y, double* J) {
     for (int k = 0; k < nq_; ++k) column[k] = d.coordinate_rate(k, c);
     for (int k = 0; k < nv_; ++k) column[nq_ + k] = answer_.vdot[k];
   }
-  counts_ = solver_.counts();
   return Evaluation::fine;
 }
 
@@ -95,7 +93,6 @@ Settled FullCoordinates::settle(double t, std::span<double> y) {
   MotionPoint point = unpack(t, y.data());
   if (stabilisation_ == Stabilisation::projection) {
     outcome_ = solver_.project(point.state);
-    counts_ = solver_.counts();
     if (!outcome_.usable()) return Settled::failed;
   }
   pack(point, y.data());

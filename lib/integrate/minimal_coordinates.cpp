@@ -169,7 +169,6 @@ Evaluation MinimalCoordinates::rate(double t, const double* y, double* ydot) {
     return Evaluation::retry;
   }
   outcome_ = solver_.solve(point->state);
-  counts_ = solver_.counts();
   if (!outcome_.usable()) return evaluation_of(outcome_, solver_.policy());
   coordinate_rates(solver_.model(), point->state.q.data(), point->state.v.data(), ydot);
   ydot += nq_;

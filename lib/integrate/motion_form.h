@@ -52,11 +52,9 @@ class MotionForm {
 
   /// Why the last evaluation was not fine.
   const Outcome& outcome() const { return outcome_; }
-  const MotionCounts& counts() const { return counts_; }
 
  protected:
   Outcome outcome_;
-  MotionCounts counts_;
 };
 
 /// ẏ = f(t, y).

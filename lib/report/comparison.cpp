@@ -90,8 +90,9 @@ SimulationOptions Way::options(double tolerance, double step) const {
 }
 
 std::string Way::parameters(double tolerance, double step) const {
-  return fmt::format("integrator={};stabilisation={};{}", integrator, stabilisation,
-                     fixed_step ? fmt::format("step={}", step) : fmt::format("tolerance={}", tolerance));
+  return fmt::format(
+      "integrator={};stabilisation={};{}", integrator, stabilisation,
+      find_integrator(integrator).fixed_step ? fmt::format("step={}", step) : fmt::format("tolerance={}", tolerance));
 }
 
 std::vector<std::pair<std::string, std::string>> pairs_of(const std::string& integrator_glob,

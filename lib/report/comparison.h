@@ -37,7 +37,6 @@ Comparison compare(const ReferenceProblem& problem, const Mechanism& mechanism, 
 struct Way {
   const FormulationInfo* formulation;
   std::string integrator, stabilisation;
-  bool fixed_step = false;
 
   SimulationOptions options(double tolerance, double step) const;
   /// key=value;key=value of what `options` holds beside the formulation.

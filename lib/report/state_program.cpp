@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -136,6 +137,18 @@ std::vector<double> read_numbers(const std::string& who, const std::string& text
   return numbers;
 }
 
+std::vector<int> velocities_named(const Model& model, const std::string& who, const std::vector<std::string>& names) {
+  const std::vector<std::string> all = model.velocity_names();
+  std::vector<int> found;
+  for (const std::string& name : names) {
+    const auto at = std::find(all.begin(), all.end(), name);
+    if (at == all.end())
+      throw InputError(fmt::format("{}: there is no velocity '{}'; there are {}", who, name, fmt::join(all, ", ")));
+    found.push_back(static_cast<int>(at - all.begin()));
+  }
+  return found;
+}
+
 struct StateProgram::State {
   std::string name;
   bool takes_loads, writes_csv;
@@ -242,15 +255,24 @@ struct StateProgram::State {
     return velocities.state;
   }
 
+  /// Refuses to write over the model or the state; a CSV has other files beside it.
+  void protect_inputs() const {
+    for (const char* beside : {"", ".json", ".checkpoint.json", ".state.json"}) {
+      if (out.empty() || (*beside != 0 && !writes_csv)) continue;
+      std::filesystem::path written = out;
+      if (*beside != 0) written.replace_extension(beside);
+      for (const std::string& input : {model, state_file}) {
+        std::error_code none;  // a generator, or a file that is not there yet, is no input to lose
+        if (std::filesystem::equivalent(written, input, none))
+          throw InputError(Place{written}, "this is an input, and would be written over; choose another --out");
+      }
+    }
+  }
+
   void write(const std::string& text) const {
     if (writes_csv) {
       fmt::print("{}", text);
       return;
-    }
-    for (const std::string& input : {model, state_file}) {
-      std::error_code none;  // a generator, or a file that is not there yet, is no input to lose
-      if (!out.empty() && std::filesystem::equivalent(out, input, none))
-        throw InputError(Place{out}, "this is an input; choose another --out");
     }
     std::FILE* file = out.empty() || out == "-" ? stdout : std::fopen(out.c_str(), "w");
     if (file == nullptr) throw InputError(Place{out}, "this file cannot be written");
@@ -302,6 +324,7 @@ int StateProgram::run(int argc, const char* const* argv, const std::function<Sta
   try {
     StateInput input = state_->input();
     input.command_line.assign(argv, argv + argc);
+    state_->protect_inputs();
     const StateOutput output = body(input);
     state_->write(output.text);
     return output.exit_code;

@@ -59,6 +59,9 @@ class StateProgram {
   std::unique_ptr<State> state_;
 };
 
+/// Velocity coordinates by their names. Throws InputError naming `who` and those there are.
+std::vector<int> velocities_named(const Model& model, const std::string& who, const std::vector<std::string>& names);
+
 /// "1,2.5,-3e-2", a comma or spaces between. Throws InputError naming `who` and what is no number, or missing.
 std::vector<double> read_numbers(const std::string& who, const std::string& text);
 

@@ -15,7 +15,7 @@ struct Power {
 
 /// At the state `evaluator` was left at by system(state, loads), for the solution there. Multipliers of conditions that
 /// the state violates count with the prescribed rates, so that what drift costs shows in the balance. O(n).
-/// Tested by tests/lib/power_balance_test.cpp, and against derivatives by tests/contract/power_test.cpp.
+/// Tested by tests/integrate/simulation_test.cpp, as the balance of energy on every model of data/models.
 Power power(Evaluator<double>& evaluator, const System<double>& system, const State<double>& state,
             const Loads<double>& loads, const Solution<double>& solution);
 

@@ -189,6 +189,24 @@ TEST(Simulate, resumes_nothing_but_its_own_run) {
   EXPECT_EQ(run("simulate", arguments("rk4", out, true)).exit_code, 2);
 }
 
+TEST(Simulate, writes_over_no_input) {
+  const std::string text = text_of(LANC_SOURCE_DIR "/data/models/problems/a01.toml");
+  const std::string model = write("own-model.csv.toml", text), state = write("kept.state.json", R"({"v": [1]})");
+  const Finished r = run("simulate", {model, "--quiet", "--out", model});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.error.find("this is an input"), std::string::npos) << r.error;
+  EXPECT_EQ(text_of(model), text);
+  // a state that a run left is no file for the next one to take away
+  EXPECT_EQ(run("simulate", {model, "--quiet", "--state", state, "--out", folder() / "kept.csv"}).exit_code, 2);
+  EXPECT_TRUE(std::filesystem::exists(state));
+}
+
+TEST(Simulate, follows_a_hundred_thousand_bodies) {
+  const Finished r = run("simulate", {"chain:100000", "--integrator", "rk4", "--step", "1e-6", "--interval", "1e-6",
+                                      "--end", "1e-6", "--quiet", "--out", folder() / "large.csv"});
+  EXPECT_EQ(r.exit_code, 0) << r.error;
+}
+
 TEST(Simulate, refuses_what_it_cannot_do) {
   struct Case {
     Words words;
@@ -207,6 +225,7 @@ TEST(Simulate, refuses_what_it_cannot_do) {
             "holds the closure conditions itself"},
            {{"chain:2", "--stabilisation", "glue"}, "there is no stabilisation 'glue'"},
            {{"chain:2", "--stop-when", "q.j1.angle>nan"}, "one finite number"},
+           {{"chain:2", "--point", "P=b1:0,0,0", "--point", "P=b2:0,0,0"}, "two points are called 'P'"},
            {{"chain:2", "--singular", "jump"}, "choose stop, pass, or branch:1"},
            {{"four-bar-ladder:1:angle=2.6:rate=0.5", "--stabilisation", "minimal", "--independent", "nobody"},
             "there is no velocity 'nobody'"}}) {

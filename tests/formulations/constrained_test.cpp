@@ -142,7 +142,7 @@ TEST(Constrained, iterations_on_contradictory_conditions_end_at_the_least_square
     const Case c = random_loops(seed, true);
     Evaluator<double> evaluator(c.model);
     System<double> system = evaluator.system(c.state, c.loads);
-    system.rhs.closure.back() += 100;  // far more than states off the manifold contradict
+    system.rhs.closure.back() += 1;
     const RankPolicy policy{c.model.closures().rows() - 3};
     Solution<double> reference(c.model), solution(c.model);
     const Outcome expected = find_formulation("dense")->create_double(c.model)->solve(system, reference, policy);
@@ -162,7 +162,7 @@ TEST(Constrained, iterations_on_contradictory_conditions_end_at_the_least_square
     }
   }
   EXPECT_GE(compared, 10);
-  EXPECT_GE(contradicting, 15);  // of the others the row that was changed hardly depends on others
+  EXPECT_GE(contradicting, 18);  // of the others the row that was changed hardly depends on others
 }
 
 TEST(Constrained, in_long_double_and_on_count_the_answer_is_that_of_double) {
