@@ -174,6 +174,7 @@ void print_table(std::FILE* out, const std::vector<Row>& rows) {
   };
   const Cell* last = nullptr;
   for (const auto& [cell, m] : rows) {
+    if (cell.formulation.empty()) continue;
     if (last && (last->model != cell.model || last->formulation != cell.formulation)) print(*last), values.clear();
     last = &cell;
     if ((m.phase == "total" || m.phase == "solve") && std::isfinite(m.value) &&
@@ -198,8 +199,13 @@ int main(int argc, char** argv) {
   return experiment.run(argc, argv, [&](Experiment& e) {
     Scaling(e, time_limit > 0 ? time_limit : e.options().quick ? 0.5 : 60, memory_share).run();
     e.progress().clear();
+    const Cell machine{.model = "memory"};
+    const double bandwidth = memory_bandwidth();
+    if (!e.report().has(machine))
+      e.report().write(machine, std::vector<Measurement>{{"", "bandwidth", bandwidth, "B/s"}});
     std::FILE* out = e.options().out == "-" ? stderr : stdout;
     print_table(out, e.report().rows());
+    fmt::print(out, "\nOne core moves {:.0f} bytes between memory and registers in a microsecond.", 1e-6 * bandwidth);
     fmt::print(out, "\nMost memory the process held, models and references included: {:.2f} GB\n",
                1e-9 * static_cast<double>(peak_bytes()));
   });

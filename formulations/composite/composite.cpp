@@ -20,7 +20,7 @@ std::optional<std::string> objection(const Model& model) {
 }
 
 const Registration registration({.name = "composite",
-                                 .idea = "M̄ from composite rigid bodies, factored LᵀL along the tree without fill",
+                                 .idea = "M̄ from composite rigid bodies, factored LᵀDL along the tree without fill",
                                  .source = "Walker & Orin 1982; Featherstone 2005",
                                  .objection = objection,
                                  .create_double = create<Composite<double>, double>,

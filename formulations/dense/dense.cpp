@@ -162,8 +162,7 @@ void Dense<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, 
     solve_cholesky_in_place<S>(mass_matrix_, b_);
     for (int k = 0; k < model.nv(); ++k) solution.vdot[k] = b_[k];
   }
-  accelerations(system, rhs, solution);
-  wrenches(system, rhs, solution);
+  newton_euler(system, rhs, solution);
 }
 
 std::optional<std::string> objection(const Model& model) {

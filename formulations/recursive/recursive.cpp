@@ -1,5 +1,7 @@
 #include "formulations/recursive/recursive.h"
 
+#include "lib/formulation/pack_kernel.h"
+
 namespace lanc {
 
 template class Recursive<double>;
@@ -14,7 +16,8 @@ const Registration registration(
      .recursive = true,
      .create_double = create<Recursive<double>, double>,
      .create_long_double = create<Recursive<long double>, long double>,
-     .create_count = create<Recursive<Count>, Count>});
+     .create_count = create<Recursive<Count>, Count>,
+     .create_kernel = create_kernel<Recursion<NativePack>, NativePack>});
 }  // namespace
 
 }  // namespace lanc

@@ -1,109 +1,30 @@
 #pragma once
 
+#include "formulations/recursive/recursion.h"
 #include "lib/formulation/tree_formulation.h"
 
 namespace lanc {
 
-/// Eq. 18 and the lecture's four steps, joint freedoms released column by column. O(n).
-/// Nothing here compares scalars, so packs and dual numbers can run it.
+/// Eq. 18, recursion.h, as a formulation.
 template <class S>
 class Recursive final : public TreeFormulation<S> {
  public:
-  explicit Recursive(const Model& model);
+  explicit Recursive(const Model& model) : TreeFormulation<S>(model), recursion_(model) {}
   void assemble(const System<S>&) override {}
 
-  /// M*_i: what body i and all it carries weigh at its reference point. Valid after factorise().
-  const ArticulatedInertia<S>& articulated_inertia(int body) const { return star_[body]; }
+  const ArticulatedInertia<S>& articulated_inertia(int body) const { return recursion_.articulated_inertia(body); }
 
  private:
-  Outcome factorise_tree(const System<S>& system) override;
-  void substitute_tree(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override;
+  Outcome factorise_tree(const System<S>& system) override {
+    recursion_.factorise(system);
+    return {};
+  }
+  void substitute_tree(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override {
+    recursion_.substitute(system, rhs, solution);
+  }
 
-  struct Freedom {
-    Wrench<S> D;  // M* C / N
-    S inverse;    // 1 / N, N = Cᵀ M* C + A
-    S start;      // N⁻¹ (τ + Cᵀ (f* − M* ā^rel)): η̇ were the parent at rest
-  };
-  std::vector<ArticulatedInertia<S>> star_;  // M*
-  std::vector<Wrench<S>> load_;              // f*, then f* − M* ā^rel
-  std::vector<Freedom> freedoms_;
+  Recursion<S> recursion_;
 };
-
-template <class S>
-Recursive<S>::Recursive(const Model& model)
-    : TreeFormulation<S>(model), star_(model.bodies()), load_(model.bodies()), freedoms_(model.nv()) {}
-
-/// Step 2, inertia: leaf to root, eq. 18. On entry star_[i] holds what the children of i handed down (if there are
-/// any).
-template <class S>
-Outcome Recursive<S>::factorise_tree(const System<S>& system) {
-  const Model& model = this->model();
-  for (int i = model.bodies() - 1; i >= 0; --i) {
-    const Link& link = model.link(i);
-    const auto& body = system.bodies[i];
-    ArticulatedInertia<S>& M = star_[i];
-    if (link.leaf)
-      M = expanded(body.inertia);
-    else
-      add(M, body.inertia);
-
-    ArticulatedInertia<S> rest = M;  // (1 − M* C N⁻¹ Cᵀ) M*, one column after the other
-    for (int k = link.v; k < link.v + link.nv; ++k) {
-      const ColumnKind kind = model.column_kind(k);
-      const Wrench<S> U = times_column(rest, kind, system.columns[k]);
-      S N = project(kind, system.columns[k], U);
-      if (model.has_armature()) N += S(model.armature()[k]);
-      freedoms_[k].inverse = S(1.0) / N;
-      freedoms_[k].D = U * freedoms_[k].inverse;
-      subtract_outer(rest, freedoms_[k].D, U);
-    }
-    if (link.parent == ground) continue;
-    if (link.last_sibling)
-      star_[link.parent] = moved_inward(body.r, rest);
-    else
-      add(star_[link.parent], moved_inward(body.r, rest));
-  }
-  return {};
-}
-
-template <class S>
-void Recursive<S>::substitute_tree(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
-  const Model& model = this->model();
-  // Step 2, load: leaf to root.
-  for (int i = model.bodies() - 1; i >= 0; --i) {
-    const Link& link = model.link(i);
-    Wrench<S>& f = load_[i];
-    f = link.leaf ? rhs.force[i] : f + rhs.force[i];
-    f -= star_[i] * rhs.bias[i];
-    if (link.parent == ground && link.nv == 0) continue;
-    Wrench<S> rest = f;
-    for (int k = link.v; k < link.v + link.nv; ++k) {
-      const S torque = rhs.tau[k] + project(model.column_kind(k), system.columns[k], rest);
-      freedoms_[k].start = torque * freedoms_[k].inverse;
-      rest -= freedoms_[k].D * torque;
-    }
-    if (link.parent == ground) continue;
-    if (link.last_sibling)
-      load_[link.parent] = moved_inward(system.bodies[i].r, rest);
-    else
-      load_[link.parent] += moved_inward(system.bodies[i].r, rest);
-  }
-  // Steps 3 and 4: root to leaf. A joint's columns are taken in reverse, the last released one first.
-  for (int i = 0; i < model.bodies(); ++i) {
-    const Link& link = model.link(i);
-    Motion<S> a{};  // B_ip â_p + C η̇ of the columns done
-    const bool at_rest = link.parent == ground;
-    if (!at_rest) a = moved_outward(system.bodies[i].r, solution.acceleration[link.parent]);
-    for (int k = link.v + link.nv - 1; k >= link.v; --k) {
-      S vdot = freedoms_[k].start;
-      if (!at_rest || k != link.v + link.nv - 1) vdot -= dot(a, freedoms_[k].D);
-      solution.vdot[k] = vdot;
-      add_along(model.column_kind(k), system.columns[k], vdot, a);
-    }
-    solution.wrench[i] = star_[i] * a - load_[i];
-    solution.acceleration[i] = a + rhs.bias[i];
-  }
-}
 
 extern template class Recursive<double>;
 extern template class Recursive<long double>;

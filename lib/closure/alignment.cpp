@@ -49,7 +49,7 @@ std::vector<int> flipped_closures(const Model& model, double t, const Evaluator<
     const ClosureTraits& traits = c.kind.traits();
     // a prescribed joint turns frame A; how far it shifts it does not matter here
     if (c.motion >= 0 && traits.joint && traits.joint->traits().columns[0] != ColumnKind::translation)
-      A.axes = turned_about_z(A.axes, set.motions[c.motion]->at(t).position);
+      A.axes = turned_about_z(A.axes, sine_and_cosine(set.motions[c.motion]->at(t).position));
     if (is_flipped(c, A, B)) flipped.push_back(i);
   }
   return flipped;

@@ -70,7 +70,6 @@ void Formulation<S>::decide(const System<S>& system, RankPolicy policy) {
 
 template <class S>
 Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, RankPolicy policy) {
-  using judgement::FirstLook;
   if (rank_ && !finite(system)) return not_finite(system);
   decide(system, policy);
   assemble(system);
@@ -80,13 +79,13 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, Ra
     substitute(system, rhs, solution);
     settle_reactions(system, rhs, solution);
     drive_forces(system, solution);
-    const FirstLook look = judgement::first_look(system, solution);
-    if (look == FirstLook::not_finite)
+    const auto look = judgement::first_look(system, solution);
+    if (std::isnan(look.infinite))
       outcome = {
           Status::singular,
           "the answer is not finite: a pivot vanished or has the wrong sign, so the mass matrix is singular or not "
           "positive definite at this state"};
-    else if (look == FirstLook::suspicious || model_.has_singular_inertia() || rank_)
+    else if (look.excess > 0 || model_.has_singular_inertia() || rank_)
       outcome = verified(system, solution);
   }
   if (outcome.status == Status::singular && indefinite_by_inertia(system)) outcome = not_definite();
@@ -218,8 +217,7 @@ double Formulation<S>::probe_error(const System<S>& system) {
     const double unit = model_.column_kind(k) == ColumnKind::translation ? 1 : 1 / model_.length();
     known.vdot[k] = S(unit * (k % 3 == 0 ? 1.0 : k % 3 == 1 ? -0.75 : 0.5));
   }
-  accelerations(system, rhs, known);
-  wrenches(system, rhs, known);
+  newton_euler(system, rhs, known);
   for (int k = 0; k < model_.nv(); ++k) {
     rhs.tau[k] = project(model_.column_kind(k), system.columns[k], known.wrench[model_.body_of_velocity(k)]);
     if (model_.armature()[k] != 0) rhs.tau[k] += S(model_.armature()[k]) * known.vdot[k];

@@ -113,6 +113,9 @@ extern template class Formulation<Count>;
 template <class S>
 using Factory = std::unique_ptr<Formulation<S>> (*)(const Model&);
 
+/// Solves several states at once (lib/formulation/batch.h).
+class BatchKernel;
+
 /// The same formulation with other settings, for experiments that compare settings.
 struct Variant {
   std::string_view parameters;  // key=value;key=value, as in the column `parameters` of CSV files
@@ -130,6 +133,7 @@ struct FormulationInfo {
   Factory<double> create_double = nullptr;
   Factory<long double> create_long_double = nullptr;
   Factory<Count> create_count = nullptr;
+  std::unique_ptr<BatchKernel> (*create_kernel)(const Model&) = nullptr;  // many states at once, on packs
   std::span<const Variant> variants = {};  // the standard settings first; empty when there are no others
 
   template <class S>

@@ -1,4 +1,5 @@
-// Is an answer right? What Formulation::solve() looks at; private to lib/formulation.
+// Is an answer right? What Formulation::solve() and batches look at.
+// Private to lib/formulation.
 #pragma once
 
 #include <algorithm>
@@ -9,49 +10,65 @@
 
 namespace lanc::judgement {
 
+/// What answers are looked at in: a number that can be compared, or a pack of them.
 template <class S>
-bool finite(const Vec3<S>& a) {
-  return std::isfinite(to_double(a.x)) && std::isfinite(to_double(a.y)) && std::isfinite(to_double(a.z));
+auto plain(const S& x) {
+  if constexpr (requires { S::lanes; })
+    return x;
+  else
+    return to_double(x);
 }
+inline double larger(double a, double b) { return a > b ? a : b; }
+inline double magnitude(double a) { return std::abs(a); }
 
-/// What one sweep over an answer tells.
-enum class FirstLook : unsigned char { good, suspicious, not_finite };
+/// What one sweep over an answer tells, lane by lane where it is in packs.
+template <class Real>
+struct FirstLook {
+  Real infinite{0.0};  // 0, or NaN where something is not finite
+  Real excess{-1.0};   // above 0 where eq. 12 is violated by more than rounding explains
 
-/// Not finite; or suspicious, because eq. 12 is violated by more than rounding explains. Digits lost in η̇ show there:
-/// a formulation finds η̇ in one way and f̂ in another. About 30 operations a velocity.
+  template <class S>
+  void see(const Vec3<S>& a) {
+    infinite += plain(a.x) * Real(0.0) + plain(a.y) * Real(0.0) + plain(a.z) * Real(0.0);
+  }
+};
+
+/// Eq. 12 shows digits lost in η̇: a formulation finds η̇ in one way and f̂ in another. About 40 operations a velocity.
 template <class S>
-FirstLook first_look(const System<S>& system, const Solution<S>& solution) {
+auto first_look(const System<S>& system, const Solution<S>& solution) {
+  using Real = decltype(plain(S(0.0)));
   const Model& model = system.model;
-  FirstLook result = FirstLook::good;
-  for (const S& multiplier : solution.lambda)
-    if (!std::isfinite(to_double(multiplier))) return FirstLook::not_finite;
+  FirstLook<Real> look;
+  for (const S& multiplier : solution.lambda) look.infinite += plain(multiplier) * Real(0.0);
   for (int i = 0; i < model.bodies(); ++i) {
     const Link& link = model.link(i);
     const Wrench<S>& f = solution.wrench[i];
-    const Motion<S>& a = solution.acceleration[i];
-    if (!finite(a.angular) || !finite(a.linear) || !finite(f.moment) || !finite(f.force)) return FirstLook::not_finite;
+    look.see(solution.acceleration[i].angular), look.see(solution.acceleration[i].linear);
+    look.see(f.moment), look.see(f.force);
     // The place of a body on the ground enters no equation: the answer may be finite where the state is not.
-    if (link.parent == ground && !finite(system.bodies[i].r)) return FirstLook::not_finite;
+    if (link.parent == ground) look.see(system.bodies[i].r);
+    if (link.nv == 0) continue;
     // Rounding errors of f̂ are relative to what it is made of: a free body's is zero, its load is not.
     const Wrench<S>& load = system.rhs.force[i];
-    double noise = 0;
-    for (const Vec3<S>& part : {f.moment, f.force, load.moment, load.force})
-      noise = std::max({noise, std::abs(to_double(part.x)), std::abs(to_double(part.y)), std::abs(to_double(part.z))});
+    Real noise(0.0);
+    for (const Vec3<S>* part : {&f.moment, &f.force, &load.moment, &load.force})
+      for (const S* x : {&part->x, &part->y, &part->z}) noise = larger(noise, magnitude(plain(*x)));
     for (int k = link.v; k < link.v + link.nv; ++k) {
       const Motion<S>& C = system.columns[k];
-      const double parts[] = {
-          to_double(C.angular.x) * to_double(f.moment.x), to_double(C.angular.y) * to_double(f.moment.y),
-          to_double(C.angular.z) * to_double(f.moment.z), to_double(C.linear.x) * to_double(f.force.x),
-          to_double(C.linear.y) * to_double(f.force.y),   to_double(C.linear.z) * to_double(f.force.z)};
-      const double vdot = to_double(solution.vdot[k]), tau = to_double(system.rhs.tau[k]);
-      if (!std::isfinite(vdot)) return FirstLook::not_finite;
-      const double inertial = model.armature()[k] * vdot;
-      double sum = inertial - tau, size = std::abs(inertial) + std::abs(tau);
-      for (const double part : parts) sum += part, size += std::abs(part);
-      if (!(std::abs(sum) <= 1e-9 * size + 1e-12 * noise)) result = FirstLook::suspicious;
+      const Real vdot = plain(solution.vdot[k]), tau = plain(system.rhs.tau[k]);
+      const Real inertial = Real(model.armature()[k]) * vdot;
+      Real sum = inertial - tau, size = magnitude(inertial) + magnitude(tau);
+      const auto add = [&](const S& c, const S& w) {
+        const Real part = plain(c) * plain(w);
+        sum += part, size += magnitude(part);
+      };
+      add(C.angular.x, f.moment.x), add(C.angular.y, f.moment.y), add(C.angular.z, f.moment.z);
+      add(C.linear.x, f.force.x), add(C.linear.y, f.force.y), add(C.linear.z, f.force.z);
+      look.infinite += vdot * Real(0.0);
+      look.excess = larger(look.excess, magnitude(sum) - Real(1e-9) * size - Real(1e-12) * noise);
     }
   }
-  return result;
+  return look;
 }
 
 /// How large the quantities of an answer are, in two units: m/s² and N. Rotations are taken times the model's length,

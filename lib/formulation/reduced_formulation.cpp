@@ -128,8 +128,7 @@ void ReducedFormulation<S>::substitute(const System<S>& system, const RightHandS
   } else {
     solve_closed(system, rhs, solution);
   }
-  accelerations(system, rhs, solution);
-  wrenches(system, rhs, solution);
+  newton_euler(system, rhs, solution);
 }
 
 template <class S>

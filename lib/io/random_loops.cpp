@@ -31,7 +31,7 @@ Pose moved_by_joint(JointKind kind, const Pose& A, double pitch, const double* q
     return +[](const double* q, JointStep<double>& step) {
       const double v[6] = {};
       Motion<double> C[6];
-      Joint::move(q, v, step, C);
+      Joint::move(q, turns_of<Joint>(q).data(), v, step, C);
     };
   });
   JointStep<double> step{.F = A.axes, .pitch = pitch};

@@ -160,6 +160,9 @@ class ModelBuilder {
       link.nq = traits.nq;
       link.nv = traits.nv;
     }
+    link.angle = static_cast<int>(data_->angles.size());
+    for (int k = 0; k < traits.nq; ++k)
+      if (is_angle(traits, k)) data_->angles.push_back(link.drive < 0 ? link.q + k : -1 - link.drive);
     for (int k = 0; k < link.nv; ++k) {
       data_->body_of_velocity.push_back(i);
       data_->column_kind.push_back(traits.columns[k]);

@@ -20,6 +20,7 @@ struct Link {
   int q = 0, v = 0;              // first position and velocity coordinate of the joint
   int nq = 0, nv = 0;            // none if the motion is prescribed
   int drive = -1;                // index among the prescribed freedoms, or −1
+  int angle = 0;                 // first of its angles in Model::angles()
   bool last_sibling = false;     // the first of its siblings to be met from leaf to root
   bool leaf = true;              // carries no other body
   double pitch = 0;              // m/rad
@@ -67,6 +68,8 @@ class Model {
   ColumnKind column_kind(int k) const { return data_->column_kind[k]; }
   std::span<const double> armature() const { return data_->armature; }
   bool has_armature() const { return data_->has_armature; }
+  /// Every angle of the mechanism in the order of the bodies: its position coordinate, or −1 − d for that of drive d.
+  std::span<const int> angles() const { return data_->angles; }
   int body_of_drive(int d) const { return data_->body_of_drive[d]; }
   ColumnKind drive_kind(int d) const { return link(body_of_drive(d)).kind.traits().columns[0]; }
   const PrescribedMotion& motion(int drive) const { return *data_->motions[drive]; }
@@ -99,7 +102,7 @@ class Model {
     std::vector<Link> links;
     std::vector<Mat3<double>> body_axes;
     int nq = 0, nv = 0;
-    std::vector<int> body_of_velocity, body_of_drive;
+    std::vector<int> body_of_velocity, body_of_drive, angles;
     std::vector<ColumnKind> column_kind;
     std::vector<double> armature;
     bool has_armature = false;

@@ -15,6 +15,21 @@ VelocityPaths::VelocityPaths(const Model& model) : before_(model.nv()), depth_(m
   }
 }
 
+std::vector<int> VelocityPaths::preorder() const {
+  const int n = static_cast<int>(before_.size());
+  std::vector<int> carried(n, 1), next(n), order(n);  // next: place of the next one that is carried by a coordinate
+  for (int k = n - 1; k >= 0; --k)
+    if (before_[k] >= 0) carried[before_[k]] += carried[k];
+  int next_root = 0;
+  for (int k = 0; k < n; ++k) {
+    int& place = before_[k] < 0 ? next_root : next[before_[k]];
+    order[place] = k;
+    next[k] = place + 1;
+    place += carried[k];
+  }
+  return order;
+}
+
 std::int64_t VelocityPaths::entries(const Model& model) {
   const VelocityPaths paths(model);
   std::int64_t sum = 0;

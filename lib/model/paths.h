@@ -22,6 +22,9 @@ class VelocityPaths {
   /// The last coordinate that moves body i, or −1; depth(last(i)) of them do.
   int last(int body) const { return last_[body]; }
   int body_depth(int body) const { return last_[body] < 0 ? 0 : depth_[last_[body]]; }
+  /// Every coordinate once, each followed by all it carries (a preorder): along this order one array indexed by depth
+  /// holds what belongs to the path of the present coordinate.
+  std::vector<int> preorder() const;
   /// Σ depth over coordinates, without building anything.
   static std::int64_t entries(const Model& model);
 

@@ -20,4 +20,8 @@ std::int64_t peak_bytes();
 /// Bytes of memory this process may still take without swapping, as the system estimates.
 std::int64_t available_bytes();
 
+/// Bytes a second that one core moves between memory and registers: a = b + s c on arrays far larger than its caches,
+/// 24 bytes an element, the best of five times (McCalpin's STREAM triad). Takes half a second.
+double memory_bandwidth();
+
 }  // namespace lanc

@@ -13,6 +13,12 @@ template <class S>
 struct Vec3 {
   S x{}, y{}, z{};
 
+  Vec3() = default;
+  constexpr Vec3(const S& a, const S& b, const S& c) : x(a), y(b), z(c) {}
+  Vec3(const Vec3&) = default;
+  // Written out here and for Sym3: a copy by wide loads waits for the narrow stores that have just written what it
+  // reads; 6 % of the recursion.
+  Vec3& operator=(const Vec3& b) { return x = b.x, y = b.y, z = b.z, *this; }
   Vec3& operator+=(const Vec3& b) { return x += b.x, y += b.y, z += b.z, *this; }
   Vec3& operator-=(const Vec3& b) { return x -= b.x, y -= b.y, z -= b.z, *this; }
   friend Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -75,6 +81,11 @@ template <class S>
 struct Sym3 {
   S xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
 
+  Sym3() = default;
+  constexpr Sym3(const S& a, const S& b, const S& c, const S& d, const S& e, const S& f)
+      : xx(a), yy(b), zz(c), xy(d), xz(e), yz(f) {}
+  Sym3(const Sym3&) = default;
+  Sym3& operator=(const Sym3& b) { return xx = b.xx, yy = b.yy, zz = b.zz, xy = b.xy, xz = b.xz, yz = b.yz, *this; }
   Sym3& operator+=(const Sym3& b) {
     xx += b.xx, yy += b.yy, zz += b.zz, xy += b.xy, xz += b.xz, yz += b.yz;
     return *this;

@@ -4,17 +4,27 @@ namespace lanc {
 
 namespace {
 
-template <bool with_rates, class S>
+template <bool with_rates, bool with_wrenches, class S>
 void sweep_outward(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
+  const std::span<const Link> links = system.model.links();
   for (int i = 0; i < system.model.bodies(); ++i) {
-    const Link& link = system.model.link(i);
+    const Link& link = links[i];
     Motion<S> a = rhs.bias[i];
     if (link.parent != ground) a += moved_outward(system.bodies[i].r, solution.acceleration[link.parent]);
     if constexpr (with_rates)
       for (int k = link.v; k < link.v + link.nv; ++k)
         add_along(system.model.column_kind(k), system.columns[k], solution.vdot[k], a);
     solution.acceleration[i] = a;
+    if constexpr (with_wrenches) solution.wrench[i] = system.bodies[i].inertia * a - rhs.force[i];
   }
+}
+
+template <class S>
+void sweep_inward(const System<S>& system, Solution<S>& solution) {
+  const std::span<const Link> links = system.model.links();
+  for (int i = system.model.bodies() - 1; i >= 0; --i)
+    if (const int p = links[i].parent; p != ground)
+      solution.wrench[p] += moved_inward(system.bodies[i].r, solution.wrench[i]);
 }
 
 /// Adds sign × G_sᵀ λ to wrenches on bodies.
@@ -52,12 +62,12 @@ void closure_accelerations(const System<S>& system, const RightHandSide<S>& rhs,
 
 template <class S>
 void accelerations(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
-  sweep_outward<true>(system, rhs, solution);
+  sweep_outward<true, false>(system, rhs, solution);
 }
 
 template <class S>
 void bias_accelerations(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
-  sweep_outward<false>(system, rhs, solution);
+  sweep_outward<false, false>(system, rhs, solution);
 }
 
 template <class S>
@@ -65,9 +75,20 @@ void wrenches(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>&
   const int n = system.model.bodies();
   for (int i = 0; i < n; ++i) solution.wrench[i] = system.bodies[i].inertia * solution.acceleration[i] - rhs.force[i];
   if (system.model.has_closures()) add_closure_wrenches(system, solution.lambda, S(-1.0), solution.wrench);
-  for (int i = n - 1; i >= 0; --i)
-    if (const int p = system.model.link(i).parent; p != ground)
-      solution.wrench[p] += moved_inward(system.bodies[i].r, solution.wrench[i]);
+  sweep_inward(system, solution);
+}
+
+template <class S>
+void newton_euler(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
+  sweep_outward<true, true>(system, rhs, solution);
+  if (system.model.has_closures()) add_closure_wrenches(system, solution.lambda, S(-1.0), solution.wrench);
+  sweep_inward(system, solution);
+}
+
+template <class S>
+void newton_euler_at_rest(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
+  sweep_outward<false, true>(system, rhs, solution);
+  sweep_inward(system, solution);
 }
 
 template <class S>
@@ -79,8 +100,7 @@ void drive_forces(const System<S>& system, Solution<S>& solution) {
 
 template <class S>
 void inverse_dynamics(const System<S>& system, Solution<S>& solution, std::vector<S>& tau) {
-  accelerations(system, system.rhs, solution);
-  wrenches(system, system.rhs, solution);
+  newton_euler(system, system.rhs, solution);
   drive_forces(system, solution);
   const Model& model = system.model;
   tau.resize(model.nv());
@@ -123,6 +143,8 @@ template void closure_accelerations(const System<double>&, const RightHandSide<d
 template void accelerations(const System<double>&, const RightHandSide<double>&, Solution<double>&);
 template void bias_accelerations(const System<double>&, const RightHandSide<double>&, Solution<double>&);
 template void wrenches(const System<double>&, const RightHandSide<double>&, Solution<double>&);
+template void newton_euler(const System<double>&, const RightHandSide<double>&, Solution<double>&);
+template void newton_euler_at_rest(const System<double>&, const RightHandSide<double>&, Solution<double>&);
 template void drive_forces(const System<double>&, Solution<double>&);
 template void inverse_dynamics(const System<double>&, Solution<double>&, std::vector<double>&);
 template void residual(const System<double>&, const RightHandSide<double>&, const Solution<double>&,
@@ -135,6 +157,9 @@ template void closure_accelerations(const System<long double>&, const RightHandS
 template void accelerations(const System<long double>&, const RightHandSide<long double>&, Solution<long double>&);
 template void bias_accelerations(const System<long double>&, const RightHandSide<long double>&, Solution<long double>&);
 template void wrenches(const System<long double>&, const RightHandSide<long double>&, Solution<long double>&);
+template void newton_euler(const System<long double>&, const RightHandSide<long double>&, Solution<long double>&);
+template void newton_euler_at_rest(const System<long double>&, const RightHandSide<long double>&,
+                                   Solution<long double>&);
 template void drive_forces(const System<long double>&, Solution<long double>&);
 template void inverse_dynamics(const System<long double>&, Solution<long double>&, std::vector<long double>&);
 template void residual(const System<long double>&, const RightHandSide<long double>&, const Solution<long double>&,
@@ -146,6 +171,8 @@ template void closure_accelerations(const System<Count>&, const RightHandSide<Co
 template void accelerations(const System<Count>&, const RightHandSide<Count>&, Solution<Count>&);
 template void bias_accelerations(const System<Count>&, const RightHandSide<Count>&, Solution<Count>&);
 template void wrenches(const System<Count>&, const RightHandSide<Count>&, Solution<Count>&);
+template void newton_euler(const System<Count>&, const RightHandSide<Count>&, Solution<Count>&);
+template void newton_euler_at_rest(const System<Count>&, const RightHandSide<Count>&, Solution<Count>&);
 template void drive_forces(const System<Count>&, Solution<Count>&);
 template void inverse_dynamics(const System<Count>&, Solution<Count>&, std::vector<Count>&);
 template void residual(const System<Count>&, const RightHandSide<Count>&, const Solution<Count>&,
@@ -157,6 +184,8 @@ template void closure_accelerations(const System<Dual<8>>&, const RightHandSide<
 template void accelerations(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, Solution<Dual<8>>&);
 template void bias_accelerations(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, Solution<Dual<8>>&);
 template void wrenches(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, Solution<Dual<8>>&);
+template void newton_euler(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, Solution<Dual<8>>&);
+template void newton_euler_at_rest(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, Solution<Dual<8>>&);
 template void drive_forces(const System<Dual<8>>&, Solution<Dual<8>>&);
 template void inverse_dynamics(const System<Dual<8>>&, Solution<Dual<8>>&, std::vector<Dual<8>>&);
 template void residual(const System<Dual<8>>&, const RightHandSide<Dual<8>>&, const Solution<Dual<8>>&,

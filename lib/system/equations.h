@@ -17,6 +17,14 @@ void bias_accelerations(const System<S>& system, const RightHandSide<S>& rhs, So
 template <class S>
 void wrenches(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
 
+/// Both: â at these η̇ and under these λ, and the f̂ that go with it, in two sweeps. O(n).
+template <class S>
+void newton_euler(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
+
+/// The same at η̇ = 0 and λ = 0: ā, and what the joints then have to bear.
+template <class S>
+void newton_euler_at_rest(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
+
 /// Adds what multipliers λ do, G_sᵀ λ on bodies and G_ηᵀ λ on velocities, to the loads of eq. 14.
 template <class S>
 void add_closure_reactions(const System<S>& system, const std::vector<S>& lambda, RightHandSide<S>& rhs);

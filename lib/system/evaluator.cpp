@@ -1,5 +1,8 @@
 #include "lib/system/evaluator.h"
 
+#include <algorithm>
+
+#include "lib/scalar/native_pack.h"
 #include "lib/system/closure_rows.h"
 
 namespace lanc {
@@ -7,17 +10,31 @@ namespace lanc {
 template <class S>
 Evaluator<S>::Evaluator(const Model& model)
     : system_(model),
-      frames_(model.bodies()),
+      frames_(blocks_of<S>(model.bodies())),
+      masses_(frames_.size()),
+      origin_velocities_(model.bodies()),
       motions_(model.drives()),
+      angles_(lanes * blocks_of<S>(static_cast<int>(model.angles().size())), S(0.0)),  // whole blocks
+      sines_(angles_.size()),
+      cosines_(angles_.size()),
       positions_(model.bodies()),
       twists_(model.bodies()) {
   // Columns of pure rotations and translations keep these zeros; step() writes the other half only.
   for (auto& column : system_.columns) column = {{S(0.0), S(0.0), S(0.0)}, {S(0.0), S(0.0), S(0.0)}};
   for (auto& column : system_.drive_columns) column = {{S(0.0), S(0.0), S(0.0)}, {S(0.0), S(0.0), S(0.0)}};
+  for (int i = 0; i < model.bodies(); ++i) {
+    const Link& link = model.link(i);
+    Masses& masses = masses_[static_cast<unsigned>(i) / lanes];
+    BlockScalar<S>::set(masses.inertia.mass, lane(i), S(link.inertia.mass));
+    set_lane<S>(masses.inertia.h, lane(i), cast<S>(link.inertia.h));
+    set_lane<S>(masses.inertia.J, lane(i), cast<S>(link.inertia.J));
+    set_lane<S>(masses.weight, lane(i), cast<S>(link.weight));
+    system_.bodies[i].inertia.mass = S(link.inertia.mass);
+  }
 }
 
-/// One body: pose and angular velocity (5), (7), bias acceleration (9), inertia in world axes, gyroscopic force and
-/// weight. Works on local copies and stores them at the end: the compiler cannot know that the arrays do not overlap.
+/// One body: pose and angular velocity (5), (7), bias acceleration (9). Works on local copies and stores them at the
+/// end: the compiler cannot know that the arrays do not overlap.
 template <class S>
 template <class Joint>
 void Evaluator<S>::step(int body, const S* q, const S* v) {
@@ -25,19 +42,21 @@ void Evaluator<S>::step(int body, const S* q, const S* v) {
   const Link& link = system_.model.link(body);
   JointStep<S> joint;
   joint.pitch = link.pitch;
+  Turns<Joint, S> turns;
+  for (std::size_t a = 0; a < turns.size(); ++a) turns[a] = {sines_[link.angle + a], cosines_[link.angle + a]};
   std::array<Motion<S>, traits.nv> columns;
   Vec3<S> r = cast<S>(link.o), w;  // w: angular velocity of the body
   Motion<S> bias{};
   if (link.parent == ground) {
     joint.F = cast<S>(link.X);
-    Joint::move(q, v, joint, columns.data());
+    Joint::move(q, turns.data(), v, joint, columns.data());
     if constexpr (traits.moves_origin) r += joint.displacement;
     if constexpr (traits.nv > 0) w = joint.angular;
   } else {
-    const Mat3<S> R = frames_[link.parent].R;
-    const Vec3<S> omega = frames_[link.parent].omega;
+    const Mat3<S> R = rotation(link.parent);
+    const Vec3<S> omega = angular_velocity(link.parent);
     joint.F = R * cast<S>(link.X);
-    Joint::move(q, v, joint, columns.data());
+    Joint::move(q, turns.data(), v, joint, columns.data());
     r = R * r;
     if constexpr (traits.moves_origin) r += joint.displacement;
     w = omega;
@@ -58,22 +77,35 @@ void Evaluator<S>::step(int body, const S* q, const S* v) {
   if constexpr (traits.nv == 1)
     if (link.drive >= 0) add_along(traits.columns[0], columns[0], S(motions_[link.drive].acceleration), bias);
 
-  const RigidInertia<S> M{S(link.inertia.mass), joint.R * cast<S>(link.inertia.h), rotated(joint.R, link.inertia.J)};
-  // f̂^c = [(J ω) × ω; (ω × h) × ω], f̂^t = [h × g; m g]
-  const Wrench<S> force{cross(M.J * w, w) + cross(M.h, cast<S>(system_.model.gravity())),
-                        cross(cross(w, M.h), w) + cast<S>(link.weight)};
-
   Motion<S>* out = link.drive < 0 ? system_.columns.data() + link.v : system_.drive_columns.data() + link.drive;
   for (int k = 0; k < traits.nv; ++k) {
     if (traits.columns[k] != ColumnKind::translation) out[k].angular = columns[k].angular;
     if (traits.columns[k] != ColumnKind::rotation) out[k].linear = columns[k].linear;
   }
-  system_.bodies[body] = {r, M};
+  system_.bodies[body].r = r;
   system_.rhs.bias[body] = bias;
-  system_.rhs.force[body] = force;
-  frames_[body].R = joint.R;
-  frames_[body].omega = w;
-  if constexpr (traits.moves_origin) frames_[body].linear = joint.linear;
+  set_lane<S>(frames_of(body).R, lane(body), joint.R);
+  set_lane<S>(frames_of(body).omega, lane(body), w);
+  if constexpr (traits.moves_origin) origin_velocities_[body] = joint.linear;
+}
+
+/// A block of bodies, for each by itself: inertia in world axes, gyroscopic force and weight.
+template <class S>
+void Evaluator<S>::weigh(int block) {
+  const Mat3<B>& R = frames_[block].R;
+  const Vec3<B>& w = frames_[block].omega;
+  const Masses& masses = masses_[block];
+  const Vec3<B> h = R * masses.inertia.h;
+  const Sym3<B> J = rotated(R, masses.inertia.J);
+  // f̂^c = [(J ω) × ω; (ω × h) × ω], f̂^t = [h × g; m g]
+  const Vec3<B> moment = cross(J * w, w) + cross(h, cast<B>(system_.model.gravity())),
+                force = cross(cross(w, h), w) + masses.weight;
+  const int width = lanes, first = block * width, last = std::min(first + width, system_.model.bodies());
+  for (int i = first; i < last; ++i) {
+    system_.bodies[i].inertia.h = lane_of<S>(h, i - first);
+    system_.bodies[i].inertia.J = lane_of<S>(J, i - first);
+    system_.rhs.force[i] = {lane_of<S>(moment, i - first), lane_of<S>(force, i - first)};
+  }
 }
 
 template <class S>
@@ -83,6 +115,7 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
   });
   const Model& model = system_.model;
   sample_motions(state.t);
+  sample_angles(state);
   for (int i = 0; i < model.bodies(); ++i) {
     const Link& link = model.link(i);
     if (link.drive < 0) {
@@ -92,6 +125,7 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
       steps[link.kind.index](*this, i, &position, &velocity);
     }
   }
+  for (std::size_t block = 0; block < frames_.size(); ++block) weigh(static_cast<int>(block));
   if (loads.tau.empty())
     std::fill(system_.rhs.tau.begin(), system_.rhs.tau.end(), S(0.0));
   else
@@ -107,6 +141,14 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
 template <class S>
 void Evaluator<S>::sample_motions(double t) {
   for (int d = 0; d < system_.model.drives(); ++d) motions_[d] = system_.model.motion(d).at(t);
+}
+
+template <class S>
+void Evaluator<S>::sample_angles(const State<S>& state) {
+  const std::span<const int> angles = system_.model.angles();
+  for (std::size_t a = 0; a < angles.size(); ++a)
+    angles_[a] = angles[a] >= 0 ? state.q[angles[a]] : S(motions_[-1 - angles[a]].position);
+  sines_and_cosines(angles_.data(), sines_.data(), cosines_.data(), static_cast<int>(angles_.size()));
 }
 
 /// Joint springs, dampers, Coulomb friction and constant torques: into τ, or onto the drive of a prescribed freedom.
@@ -170,8 +212,8 @@ void Evaluator<S>::apply_springs() {
   };
   const auto end = [&](int body, const Vec3<double>& point) -> End {
     if (body == ground) return {{}, cast<S>(point), {S(0.0), S(0.0), S(0.0)}};
-    const Vec3<S> arm = frames_[body].R * cast<S>(point);
-    return {arm, positions_[body] + arm, twists_[body].linear + cross(frames_[body].omega, arm)};
+    const Vec3<S> arm = rotation(body) * cast<S>(point);
+    return {arm, positions_[body] + arm, twists_[body].linear + cross(angular_velocity(body), arm)};
   };
   for (const PointSpring& spring : system_.model.springs()) {
     const End a = end(spring.body_a, spring.point_a), b = end(spring.body_b, spring.point_b);
@@ -200,7 +242,7 @@ void move_frame(closure::Frame<S>& A, double pitch, const MotionSample& motion) 
   JointStep<S> step{.F = A.axes, .pitch = pitch, .displacement = none, .angular = none, .linear = none};
   Motion<S> C{none, none};
   const S position(motion.position), velocity(motion.velocity);
-  Joint::move(&position, &velocity, step, &C);
+  Joint::move(&position, turns_of<Joint>(&position).data(), &velocity, step, &C);
   const Vec3<S>&w = A.angular, &r = step.displacement, &u = step.linear;
   A.bias.angular += cross(w, step.angular) + C.angular * S(motion.acceleration);
   A.bias.linear += cross(w, cross(w, r)) + cross(w, u) * S(2.0) + C.linear * S(motion.acceleration);
@@ -228,7 +270,7 @@ void Evaluator<S>::close_loops(const State<S>& state) {
   const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
   const auto frame = [&](int body, const Mat3<double>& axes, const Vec3<double>& point) {
     return body == ground ? frame_on_body(identity3<S>(), none, Motion<S>{none, none}, axes, point)
-                          : frame_on_body(frames_[body].R, positions_[body], twists_[body], axes, point);
+                          : frame_on_body(rotation(body), positions_[body], twists_[body], axes, point);
   };
   for (const Closure& c : set.closures) {
     closure::Frame<S> A = frame(c.body_a, c.axes_a, c.point_a);
@@ -267,7 +309,7 @@ const System<S>& Evaluator<S>::stabilise(double alpha) {
 
 template <class S>
 Mat3<S> Evaluator<S>::body_rotation(int body) const {
-  return frames_[body].R * cast<S>(system_.model.body_axes(body));
+  return rotation(body) * cast<S>(system_.model.body_axes(body));
 }
 
 template <class S>
@@ -285,8 +327,8 @@ const std::vector<Motion<S>>& Evaluator<S>::twists() {
     const Link& link = system_.model.link(i);
     Vec3<S> linear{S(0.0), S(0.0), S(0.0)};
     if (link.parent != ground) linear = moved_outward(system_.bodies[i].r, twists_[link.parent]).linear;
-    if (link.kind.traits().moves_origin) linear += frames_[i].linear;
-    twists_[i] = {frames_[i].omega, linear};
+    if (link.kind.traits().moves_origin) linear += origin_velocities_[i];
+    twists_[i] = {angular_velocity(i), linear};
   }
   return twists_;
 }
@@ -295,5 +337,6 @@ template class Evaluator<double>;
 template class Evaluator<long double>;
 template class Evaluator<Count>;
 template class Evaluator<Dual<8>>;
+template class Evaluator<NativePack>;
 
 }  // namespace lanc

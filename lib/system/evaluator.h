@@ -1,6 +1,7 @@
 // Kinematics: model, state and loads → coefficients of eq. 14. The only pass that sees joint kinds.
 #pragma once
 
+#include "lib/spatial/block.h"
 #include "lib/system/system.h"
 
 namespace lanc {
@@ -21,8 +22,8 @@ class Evaluator {
   const System<S>& stabilise(double alpha);
 
   /// World axes of body i's joint axes and position of its reference point, at the last state.
-  const Mat3<S>& rotation(int body) const { return frames_[body].R; }
-  const Vec3<S>& angular_velocity(int body) const { return frames_[body].omega; }
+  [[gnu::always_inline]] Mat3<S> rotation(int body) const { return lane_of<S>(frames_of(body).R, lane(body)); }
+  Vec3<S> angular_velocity(int body) const { return lane_of<S>(frames_of(body).omega, lane(body)); }
   /// World axes of the user's body axes.
   Mat3<S> body_rotation(int body) const;
   /// Positions of all reference points and twists v̂ (eq. 7) at the last state; one pass over the bodies.
@@ -30,22 +31,37 @@ class Evaluator {
   const std::vector<Motion<S>>& twists();
 
  private:
-  struct Frame {
-    Mat3<S> R;
-    Vec3<S> omega;
-    Vec3<S> linear;  // relative velocity C η of the origin, for twists()
+  using B = Block<S>;
+  static constexpr unsigned lanes = BlockScalar<S>::lanes;
+  /// Axes and angular velocities of a block of bodies.
+  struct Frames {
+    Mat3<B> R{};
+    Vec3<B> omega{};
   };
+  /// Their inertias in joint axes, and weights.
+  struct Masses {
+    RigidInertia<B> inertia{};
+    Vec3<B> weight{};
+  };
+  static unsigned lane(int body) { return static_cast<unsigned>(body) % lanes; }
+  const Frames& frames_of(int body) const { return frames_[static_cast<unsigned>(body) / lanes]; }
+  Frames& frames_of(int body) { return frames_[static_cast<unsigned>(body) / lanes]; }
   template <class Joint>
   void step(int body, const S* q, const S* v);
+  void weigh(int block);
   void sample_motions(double t);
+  void sample_angles(const State<S>& state);
   void apply_passive(const State<S>& state);
   void apply_springs();
   void close_loops(const State<S>& state);
   void apply_point_force(int body, const Vec3<S>& arm, const Vec3<S>& force);
 
   System<S> system_;
-  std::vector<Frame> frames_;
+  std::vector<Frames> frames_;
+  std::vector<Masses> masses_;
+  std::vector<Vec3<S>> origin_velocities_;  // C η of the origins of joints that move them, for twists()
   std::vector<MotionSample> motions_;
+  std::vector<S> angles_, sines_, cosines_;  // as Model::angles()
   std::vector<Vec3<S>> positions_;
   std::vector<Motion<S>> twists_;
 };

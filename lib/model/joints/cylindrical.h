@@ -20,8 +20,8 @@ struct Cylindrical {
   static constexpr bool has_column_rate = false;
 
   template <class S>
-  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
-    step.R = turned_about_z(step.F, q[0]);
+  static void move(const S* q, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
+    step.R = turned_about_z(step.F, turn[0]);
     step.displacement = step.F.z * q[1];
     C[0].angular = step.F.z;
     C[1].linear = step.F.z;

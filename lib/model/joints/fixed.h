@@ -13,7 +13,7 @@ struct Fixed {
   static constexpr bool has_column_rate = false;
 
   template <class S>
-  static void move(const S*, const S*, JointStep<S>& step, Motion<S>*) {
+  static void move(const S*, const SinCos<S>*, const S*, JointStep<S>& step, Motion<S>*) {
     step.R = step.F;
   }
 };

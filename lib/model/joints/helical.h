@@ -23,8 +23,8 @@ struct Helical {
   static constexpr bool has_column_rate = false;
 
   template <class S>
-  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
-    step.R = turned_about_z(step.F, q[0]);
+  static void move(const S* q, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
+    step.R = turned_about_z(step.F, turn[0]);
     const Vec3<S> along = step.F.z * S(step.pitch);
     step.displacement = along * q[0];
     C[0] = {step.F.z, along};

@@ -2,8 +2,9 @@
 //
 // A joint kind is a struct with
 //   static constexpr JointTraits traits            its facts: name, sizes, columns, coordinates, which axes it takes
-//   template <class S> static void move(...)       pose, relative twist and columns of C_i (the only place a kind
-//   shows)
+//   template <class S> static void move(...)       pose, relative twist and columns of C_i, from q, sines and cosines
+//   of
+//                                                  its angles, and v (the only place a kind shows)
 // and, when its velocities are not the rates of its coordinates, rate() (eq. 1) and normalise() (eq. 2).
 //
 // Frames: everything is written in the *joint axes*: a frame K_F fixed on the predecessor and a frame fixed on the
@@ -15,6 +16,7 @@
 #include <string_view>
 
 #include "lib/model/closures/condition.h"
+#include "lib/scalar/sines.h"
 #include "lib/spatial/spatial.h"
 
 namespace lanc {
@@ -38,6 +40,27 @@ struct JointTraits {
   bool rates_are_velocities() const { return quaternion < 0; }
 };
 
+/// The angles among the position coordinates are those in rad. Sines and cosines are handed to move() in their order,
+/// so that those of a whole mechanism can be taken at once.
+constexpr bool is_angle(const JointTraits& traits, int coordinate) { return traits.q_units[coordinate] == "rad"; }
+constexpr int angle_count(const JointTraits& traits) {
+  int count = 0;
+  for (int k = 0; k < traits.nq; ++k) count += is_angle(traits, k);
+  return count;
+}
+
+template <class Joint, class S>
+using Turns = std::array<SinCos<S>, angle_count(Joint::traits)>;
+
+/// Sines and cosines of one joint's angles.
+template <class Joint, class S>
+Turns<Joint, S> turns_of(const S* q) {
+  Turns<Joint, S> turns;
+  for (int k = 0, a = 0; k < Joint::traits.nq; ++k)
+    if (is_angle(Joint::traits, k)) turns[a++] = sine_and_cosine(q[k]);
+  return turns;
+}
+
 /// What a joint does at one instant, in world axes. `F` holds the axes of K_F; the kind fills the rest.
 template <class S>
 struct JointStep {
@@ -51,8 +74,8 @@ struct JointStep {
 
 /// Rotation of the frame F about its z axis.
 template <class S>
-[[gnu::always_inline]] inline Mat3<S> turned_about_z(const Mat3<S>& F, const S& angle) {
-  const S c = cos(angle), s = sin(angle);
+[[gnu::always_inline]] inline Mat3<S> turned_about_z(const Mat3<S>& F, const SinCos<S>& angle) {
+  const auto& [s, c] = angle;
   return {F.x * c + F.y * s, F.y * c - F.x * s, F.z};
 }
 

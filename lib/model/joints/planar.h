@@ -20,8 +20,8 @@ struct Planar {
   static constexpr bool has_column_rate = false;
 
   template <class S>
-  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
-    step.R = turned_about_z(step.F, q[2]);
+  static void move(const S* q, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
+    step.R = turned_about_z(step.F, turn[0]);
     step.displacement = step.F.x * q[0] + step.F.y * q[1];
     C[0].linear = step.F.x;
     C[1].linear = step.F.y;

@@ -21,7 +21,7 @@ struct Prismatic {
   static constexpr bool has_column_rate = false;
 
   template <class S>
-  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
+  static void move(const S* q, const SinCos<S>*, const S* v, JointStep<S>& step, Motion<S>* C) {
     step.R = step.F;
     step.displacement = step.F.z * q[0];
     C[0].linear = step.F.z;

@@ -19,8 +19,8 @@ struct Revolute {
   static constexpr bool has_column_rate = false;
 
   template <class S>
-  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
-    step.R = turned_about_z(step.F, q[0]);
+  static void move(const S*, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
+    step.R = turned_about_z(step.F, turn[0]);
     C[0].angular = step.R.z;
     step.angular = step.R.z * v[0];
   }

@@ -19,7 +19,7 @@ struct Spherical {
   static constexpr bool has_column_rate = false;  // Ċ η = ω_rel × ω_rel = 0
 
   template <class S>
-  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
+  static void move(const S* q, const SinCos<S>*, const S* v, JointStep<S>& step, Motion<S>* C) {
     step.R = turned_by_quaternion(step.F, q);
     C[0].angular = step.R.x;
     C[1].angular = step.R.y;

@@ -20,9 +20,9 @@ struct Universal {
   static constexpr bool has_column_rate = true;
 
   template <class S>
-  static void move(const S* q, const S* v, JointStep<S>& step, Motion<S>* C) {
-    const Mat3<S> cross_piece = turned_about_z(step.F, q[0]);
-    const S c = cos(q[1]), s = sin(q[1]);
+  static void move(const S*, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
+    const Mat3<S> cross_piece = turned_about_z(step.F, turn[0]);
+    const auto& [s, c] = turn[1];
     const Vec3<S>&x = cross_piece.x, &y = cross_piece.y, &z = cross_piece.z;
     step.R = {x, y * c + z * s, z * c - y * s};
     C[0].angular = z;

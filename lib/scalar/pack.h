@@ -1,0 +1,77 @@
+// Pack: N numbers in the lanes of SIMD registers, as one scalar.
+#pragma once
+
+#include <cmath>
+
+#include "lib/scalar/sines.h"
+
+namespace lanc {
+
+/// Lane by lane + − × ÷ sqrt sin cos, by the compiler's vector types: whatever the target has is used, wider packs take
+/// several registers. There is no comparison; a NaN stays in its lane. T: double or float. N: a power of two.
+/// Tested by tests/lib/pack_test.cpp.
+template <class T, int N>
+class Pack {
+ public:
+  static constexpr int lanes = N;
+
+  Pack() = default;
+  constexpr Pack(T x) : v_(x - Vector{}) {}  // NOLINT: implicit, as int to double is; the same in every lane
+
+  T operator[](int lane) const { return v_[lane]; }
+  void set(int lane, T x) { v_[lane] = x; }
+  /// N numbers that follow one another in memory.
+  static Pack load(const T* from) {
+    Pack p;
+    __builtin_memcpy(&p.v_, from, sizeof p.v_);
+    return p;
+  }
+  void store(T* to) const { __builtin_memcpy(to, &v_, sizeof v_); }
+
+  Pack operator-() const { return of(-v_); }
+  Pack& operator+=(const Pack& b) { return v_ += b.v_, *this; }
+  Pack& operator-=(const Pack& b) { return v_ -= b.v_, *this; }
+  Pack& operator*=(const Pack& b) { return v_ *= b.v_, *this; }
+  Pack& operator/=(const Pack& b) { return v_ /= b.v_, *this; }
+  friend Pack operator+(const Pack& a, const Pack& b) { return of(a.v_ + b.v_); }
+  friend Pack operator-(const Pack& a, const Pack& b) { return of(a.v_ - b.v_); }
+  friend Pack operator*(const Pack& a, const Pack& b) { return of(a.v_ * b.v_); }
+  friend Pack operator/(const Pack& a, const Pack& b) { return of(a.v_ / b.v_); }
+  friend Pack sqrt(const Pack& a) {
+    Pack r;
+    for (int k = 0; k < N; ++k) r.v_[k] = std::sqrt(a.v_[k]);
+    return r;
+  }
+  /// |a|, and the larger of two, lane by lane: for bounds on answers, not for mechanics, which compares nothing.
+  friend Pack magnitude(const Pack& a) { return of(a.v_ < 0 ? -a.v_ : a.v_); }
+  friend Pack larger(const Pack& a, const Pack& b) { return of(a.v_ > b.v_ ? a.v_ : b.v_); }
+  friend Pack sin(const Pack& a) {
+    T x[N], s[N], c[N];
+    a.store(x);
+    sines_and_cosines(x, s, c, N);
+    return load(s);
+  }
+  friend Pack cos(const Pack& a) {
+    T x[N], s[N], c[N];
+    a.store(x);
+    sines_and_cosines(x, s, c, N);
+    return load(c);
+  }
+
+ private:
+  typedef T Vector __attribute__((vector_size(N * sizeof(T))));  // g++ 12 ignores the attribute in an alias
+  static Pack of(const Vector& v) {
+    Pack p;
+    p.v_ = v;
+    return p;
+  }
+  Vector v_;
+};
+
+template <class T, int N>
+inline void sines_and_cosines(const Pack<T, N>* angle, Pack<T, N>* sine, Pack<T, N>* cosine, int n) {
+  static_assert(sizeof(Pack<T, N>) == N * sizeof(T));
+  sines_and_cosines(reinterpret_cast<const T*>(angle), reinterpret_cast<T*>(sine), reinterpret_cast<T*>(cosine), N * n);
+}
+
+}  // namespace lanc

@@ -1,0 +1,65 @@
+// Several bodies side by side in the lanes of a pack, for work on each of which its neighbours do not matter.
+#pragma once
+
+#include "lib/scalar/pack.h"
+#include "lib/spatial/spatial.h"
+
+namespace lanc {
+
+/// The scalar of a block of bodies: on double a pack, on any other scalar that scalar, a block then being one body.
+template <class S>
+struct BlockScalar {
+  using type = S;
+  static constexpr int lanes = 1;
+  static S get(const S& block, int) { return block; }
+  static void set(S& block, int, const S& x) { block = x; }
+};
+template <>
+struct BlockScalar<double> {
+  using type = Pack<double, 8>;
+  static constexpr int lanes = type::lanes;
+  static double get(const type& block, int lane) { return block[lane]; }
+  static void set(type& block, int lane, double x) { block.set(lane, x); }
+};
+template <class S>
+using Block = typename BlockScalar<S>::type;
+/// How many blocks hold that many bodies.
+template <class S>
+constexpr int blocks_of(int bodies) {
+  return (bodies + BlockScalar<S>::lanes - 1) / BlockScalar<S>::lanes;
+}
+
+/// One body's part of a block. Always inlined: a matrix returned through memory costs the kinematics a tenth.
+template <class S>
+[[gnu::always_inline]] inline Vec3<S> lane_of(const Vec3<Block<S>>& a, int lane) {
+  using B = BlockScalar<S>;
+  return {B::get(a.x, lane), B::get(a.y, lane), B::get(a.z, lane)};
+}
+template <class S>
+[[gnu::always_inline]] inline Mat3<S> lane_of(const Mat3<Block<S>>& m, int lane) {
+  return {lane_of<S>(m.x, lane), lane_of<S>(m.y, lane), lane_of<S>(m.z, lane)};
+}
+template <class S>
+[[gnu::always_inline]] inline Sym3<S> lane_of(const Sym3<Block<S>>& m, int lane) {
+  using B = BlockScalar<S>;
+  return {B::get(m.xx, lane), B::get(m.yy, lane), B::get(m.zz, lane),
+          B::get(m.xy, lane), B::get(m.xz, lane), B::get(m.yz, lane)};
+}
+
+template <class S>
+[[gnu::always_inline]] inline void set_lane(Vec3<Block<S>>& block, int lane, const Vec3<S>& a) {
+  using B = BlockScalar<S>;
+  B::set(block.x, lane, a.x), B::set(block.y, lane, a.y), B::set(block.z, lane, a.z);
+}
+template <class S>
+[[gnu::always_inline]] inline void set_lane(Mat3<Block<S>>& block, int lane, const Mat3<S>& m) {
+  set_lane<S>(block.x, lane, m.x), set_lane<S>(block.y, lane, m.y), set_lane<S>(block.z, lane, m.z);
+}
+template <class S>
+[[gnu::always_inline]] inline void set_lane(Sym3<Block<S>>& block, int lane, const Sym3<S>& m) {
+  using B = BlockScalar<S>;
+  B::set(block.xx, lane, m.xx), B::set(block.yy, lane, m.yy), B::set(block.zz, lane, m.zz);
+  B::set(block.xy, lane, m.xy), B::set(block.xz, lane, m.xz), B::set(block.yz, lane, m.yz);
+}
+
+}  // namespace lanc

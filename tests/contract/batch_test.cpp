@@ -1,0 +1,131 @@
+// Batches: what a state gets among others is what Formulation::solve() gives it alone.
+#include "lib/formulation/batch.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "lib/io/generators.h"
+#include "lib/model/error.h"
+#include "lib/system/evaluator.h"
+#include "tests/support/zoo.h"
+
+namespace lanc::test {
+namespace {
+
+/// States about a given one: every coordinate moved a little, Euler parameters normalised again.
+struct Cloud {
+  BatchStates states;
+  std::vector<double> q, v, tau;
+
+  Cloud(const Model& model, const State<double>& about, int count) {
+    for (int k = 0; k < count; ++k) {
+      State<double> state = about;
+      for (std::size_t i = 0; i < state.q.size(); ++i) state.q[i] += 1e-7 * std::sin(1 + 3.0 * k + double(i));
+      state = checked_state(model, state);
+      for (std::size_t i = 0; i < state.q.size(); ++i) state.q[i] += 0;
+      for (std::size_t i = 0; i < state.v.size(); ++i) {
+        state.v[i] += 0.3 * std::cos(2 + 5.0 * k + double(i));
+        tau.push_back(std::sin(4.0 * k - double(i)));
+      }
+      q.insert(q.end(), state.q.begin(), state.q.end());
+      v.insert(v.end(), state.v.begin(), state.v.end());
+    }
+    states = {about.t, q, v, tau};
+  }
+};
+
+void expect_answers_of_solve(const Model& model, const FormulationInfo& info, const BatchStates& states,
+                             const BatchAnswers& answers, const std::string& who) {
+  Evaluator<double> evaluator(model);
+  Solution<double> solution(model);
+  const auto formulation = info.create_double(model);
+  for (std::size_t k = 0; k < answers.outcome.size(); ++k) {
+    const int state = static_cast<int>(k);
+    const Outcome alone =
+        formulation->solve(evaluator.system(states.state(model, state), states.loads(model, state)), solution);
+    ASSERT_EQ(answers.outcome[k].status, alone.status) << who << " state " << k;
+    if (!alone.usable()) continue;
+    double size = 0, apart = 0;
+    for (int i = 0; i < model.nv(); ++i) {
+      size = std::max(size, std::abs(solution.vdot[i]));
+      apart = std::max(apart, std::abs(solution.vdot[i] - answers.vdot[k * model.nv() + i]));
+    }
+    EXPECT_LE(apart, 1e-9 * size) << who << " state " << k;
+    const auto& wrench = answers.wrench[k * model.bodies() + model.bodies() - 1];
+    const auto& a = answers.acceleration[k * model.bodies() + model.bodies() - 1];
+    EXPECT_NEAR(wrench.force.z, solution.wrench.back().force.z, 1e-8 * (1 + std::abs(solution.wrench.back().force.z)));
+    EXPECT_NEAR(a.linear.x, solution.acceleration.back().linear.x,
+                1e-8 * (1 + std::abs(solution.acceleration.back().linear.x)));
+  }
+}
+
+TEST(Batch, gives_every_state_of_every_tree_what_solve_gives_it) {
+  for (const FormulationInfo& info : formulations()) {
+    if (!info.create_kernel) continue;
+    for (const Case& c : small_zoo()) {
+      if (info.objection(c.model)) continue;
+      const Cloud cloud(c.model, c.state, 21);
+      for (const int threads : {1, 0}) {
+        Batch batch(c.model, info, {threads, true});
+        BatchAnswers answers;
+        batch.solve(cloud.states, answers);
+        EXPECT_EQ(answers.outcome.size(), c.model.nv() == 0 ? 0u : 21u);
+        expect_answers_of_solve(c.model, info, cloud.states, answers, c.name);
+      }
+    }
+  }
+}
+
+TEST(Batch, keeps_a_state_that_cannot_be_solved_to_itself) {
+  for (const char* argument : {"chain:9", "random:20:seed=3"}) {
+    const Mechanism m = *generate(argument);
+    const FormulationInfo& info = *find_formulation("recursive");
+    Cloud cloud(m.model, m.state, 19);
+    cloud.q[3 * m.model.nq()] = std::numeric_limits<double>::quiet_NaN();
+    cloud.v[11 * m.model.nv() + 1] = std::numeric_limits<double>::infinity();
+    cloud.tau[17 * m.model.nv()] = std::numeric_limits<double>::quiet_NaN();
+    Batch batch(m.model, info, {1, true});
+    ASSERT_GT(batch.lanes(), 1);
+    BatchAnswers answers;
+    batch.solve(cloud.states, answers);
+    for (int k = 0; k < 19; ++k)
+      EXPECT_EQ(answers.outcome[k].status, k == 3 || k == 11 || k == 17 ? Status::not_finite : Status::solved) << k;
+    expect_answers_of_solve(m.model, info, cloud.states, answers, argument);
+  }
+}
+
+TEST(Batch, solves_loops_and_formulations_without_kernels_state_by_state) {
+  const Mechanism m = *generate("four-bar-ladder:2:angle=0.7:rate=0.4");
+  for (const char* name : {"recursive", "eq14-klu"}) {
+    Cloud one(m.model, m.state, 1);
+    std::vector<double> q, v;
+    for (int k = 0; k < 3; ++k) {
+      q.insert(q.end(), m.state.q.begin(), m.state.q.end());
+      v.insert(v.end(), m.state.v.begin(), m.state.v.end());
+    }
+    const BatchStates states{m.state.t, q, v, {}};
+    Batch batch(m.model, *find_formulation(name), {0, true});
+    EXPECT_EQ(batch.lanes(), 1);
+    BatchAnswers answers;
+    batch.solve(states, answers);
+    expect_answers_of_solve(m.model, *find_formulation(name), states, answers, name);
+    EXPECT_EQ(answers.outcome[2].status, Status::redundant);
+  }
+}
+
+TEST(Batch, refuses_what_is_no_whole_number_of_states) {
+  const Mechanism m = *generate("chain:3");
+  Batch batch(m.model, *find_formulation("recursive"));
+  BatchAnswers answers;
+  const std::vector<double> three(3), four(4), six(6);
+  EXPECT_THROW(batch.solve({0, four, four, {}}, answers), InputError);
+  EXPECT_THROW(batch.solve({0, six, three, {}}, answers), InputError);
+  EXPECT_THROW(batch.solve({0, three, three, six}, answers), InputError);
+  EXPECT_NO_THROW(batch.solve({0, three, three, {}}, answers));
+  EXPECT_NO_THROW(batch.solve({0, {}, {}, {}}, answers));
+}
+
+}  // namespace
+}  // namespace lanc::test
