@@ -96,8 +96,11 @@ class Contest {
     const auto has = [&](std::string_view name, Task task) { return experiment_.report().has(cell(name, task)); };
     for (const FormulationInfo* info : experiment_.formulations())
       if (!has(info->name, Task::forward)) return false;
+    if (ours_alone(mechanism_.model)) return true;
     for (const MandatoryPeer& peer : mandatory_peers())
-      if (!ours_alone(mechanism_.model) && !has(peer.name, peer.task)) return false;
+      if (!has(peer.name, peer.task)) return false;
+    for (const PeerInfo& peer : registered_peers())
+      if (!has(peer.name, peer.task)) return false;
     return true;
   }
 

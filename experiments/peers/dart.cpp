@@ -92,7 +92,7 @@ class Dart : public PeerModel {
                                               : create<dd::WeldJoint>(link, body));
   }
   static Eigen::VectorXd joint_positions(const Link& link, const State<double>& state) {
-    const double* q = &state.q[link.q];
+    const double* q = state.q.data() + link.q;
     if (is(link, "spherical")) return dd::BallJoint::convertToPositions(quaternion(q).toRotationMatrix());
     if (!is(link, "free")) return Eigen::VectorXd::Map(q, link.nq);
     Eigen::Isometry3d pose(quaternion(q + 3));

@@ -73,7 +73,7 @@ class MuJoCo : public PeerModel {
     std::vector<double> result(ours_.nv());
     for (int i = 0; i < ours_.bodies(); ++i) {
       const Link& link = ours_.link(i);
-      double* own = &result[link.v];
+      double* own = result.data() + link.v;
       if (!is(link, "free")) {
         std::copy_n(found + address(i), link.nv, own);
         continue;
@@ -110,22 +110,22 @@ class MuJoCo : public PeerModel {
     if (link.nv == 0) return;
     const int v = address(i), q = model_->jnt_qposadr[model_->dof_jntid[v]];
     if (!is(link, "free")) {
-      std::copy_n(&state.q[link.q], link.nq, &qpos_[q]);
-      std::copy_n(&state.v[link.v], link.nv, &qvel_[v]);
-      std::copy_n(&vdot[link.v], link.nv, &qacc_[v]);
+      std::copy_n(state.q.data() + link.q, link.nq, &qpos_[q]);
+      std::copy_n(state.v.data() + link.v, link.nv, &qvel_[v]);
+      std::copy_n(vdot.data() + link.v, link.nv, &qacc_[v]);
       return;
     }
     const Eigen::Quaterniond turn(root_.R);
     const Eigen::Vector3d body_angular = root_.R.transpose() * root_.angular;
     Eigen::Vector3d alpha, a;
-    root_.to_world(&vdot[link.v], alpha, a);
+    root_.to_world(vdot.data() + link.v, alpha, a);
     const double pose[] = {
         root_.position.x(), root_.position.y(), root_.position.z(), turn.w(), turn.x(), turn.y(), turn.z()};
     std::copy_n(pose, 7, &qpos_[q]);
     std::copy_n(root_.linear.data(), 3, &qvel_[v]);
     std::copy_n(body_angular.data(), 3, &qvel_[v + 3]);
     std::copy_n(a.data(), 3, &qacc_[v]);
-    std::copy_n(&vdot[link.v], 3, &qacc_[v + 3]);
+    std::copy_n(vdot.data() + link.v, 3, &qacc_[v + 3]);
   }
 
   Task task_;

@@ -59,7 +59,7 @@ Eigen::Quaterniond quaternion(const double* q) { return {q[0], q[1], q[2], q[3]}
 
 FreeRoot::FreeRoot(const Model& model, const State<double>& state) {
   const Link& link = model.link(0);
-  const double *q = &state.q[link.q], *v = &state.v[link.v];
+  const double *q = state.q.data() + link.q, *v = state.v.data() + link.v;
   const Matrix3d frame = eigen(link.X);
   R = frame * quaternion(q + 3).toRotationMatrix();
   position = eigen(link.o) + frame * Vector3d(q[0], q[1], q[2]);

@@ -20,7 +20,7 @@ class Pinocchio : public PeerModel {
     q_.setZero(model_.nq), v_.setZero(model_.nv), tau_.setZero(model_.nv), given_.setZero(model_.nv);
     for (int i = 0; i < ours_.bodies(); ++i) {
       const Link& link = ours_.link(i);
-      const double *q = &mechanism.state.q[link.q], *v = &mechanism.state.v[link.v];
+      const double *q = mechanism.state.q.data() + link.q, *v = mechanism.state.v.data() + link.v;
       const auto at = model_.idx_qs[i + 1];
       if (link.nv == 1) {
         q_[at] = *q;

@@ -47,7 +47,7 @@ class Rbdl : public PeerModel {
     for (int i = 0; i < ours_.bodies(); ++i) {
       const Link& link = ours_.link(i);
       const double* found = found_.data() + first_[i];
-      double* own = &result[link.v];
+      double* own = result.data() + link.v;
       if (link.nv == 1) {
         *own = *found;
       } else if (task_ == Task::forward) {
@@ -71,16 +71,16 @@ class Rbdl : public PeerModel {
   void set_root(const Link& link, const State<double>& state, const std::vector<double>& vdot) {
     root_ = FreeRoot(ours_, state);
     frame_ = eigen(link.X);
-    const double* q = &state.q[link.q];
+    const double* q = state.q.data() + link.q;
     q_.head(3) = Eigen::Vector3d::Map(q);
     model_.SetQuaternion(ids_[0], rb::Math::Quaternion(q[4], q[5], q[6], q[3]), q_);
     v_.head(3) = frame_.transpose() * root_.linear;
-    v_.segment(3, 3) = Eigen::Vector3d::Map(&state.v[link.v]);
+    v_.segment(3, 3) = Eigen::Vector3d::Map(state.v.data() + link.v);
     if (task_ == Task::forward) return;
     Eigen::Vector3d alpha, a;
-    root_.to_world(&vdot[link.v], alpha, a);
+    root_.to_world(vdot.data() + link.v, alpha, a);
     given_.head(3) = frame_.transpose() * a;
-    given_.segment(3, 3) = Eigen::Vector3d::Map(&vdot[link.v]);
+    given_.segment(3, 3) = Eigen::Vector3d::Map(vdot.data() + link.v);
   }
 
   Task task_;

@@ -61,9 +61,10 @@ class Simbody : public PeerModel {
         const auto found = [&](int k) {
           return Eigen::Vector3d(tree_.acceleration(i, k), tree_.acceleration(i, k + 1), tree_.acceleration(i, k + 2));
         };
-        Eigen::Vector3d::Map(&vdot[link.v]) = turn.R.transpose() * found(0);
+        Eigen::Vector3d::Map(vdot.data() + link.v) = turn.R.transpose() * found(0);
         if (is(link, "free"))
-          Eigen::Vector3d::Map(&vdot[link.v + 3]) = turn.R.transpose() * (found(3) - turn.angular.cross(turn.linear));
+          Eigen::Vector3d::Map(vdot.data() + link.v + 3) =
+              turn.R.transpose() * (found(3) - turn.angular.cross(turn.linear));
       }
     }
     return vdot;
