@@ -50,6 +50,13 @@ constexpr Bound all_bounds[] = {
     {{loops, forward, "four-bar-chain:100"}, {loops, forward, "four-bar-ladder:100"}, 2.5},
 };
 
+constexpr ErrorBound all_error_bounds[] = {
+    {{loops, forward, "four-bar-ladder:1"}, 1e-12},
+    {{loops, forward, "four-bar-ladder:10"}, 1e-12},
+    {{loops, forward, "four-bar-ladder:100"}, 1e-12},
+    {{loops, forward, "four-bar-ladder:1000"}, 1e-12},
+};
+
 }  // namespace
 
 std::vector<std::string> default_models(bool quick) {
@@ -85,6 +92,7 @@ std::span<const MandatoryPeer> mandatory_peers() { return mandatory; }
 bool ours_alone(const Model& model) { return model.closures().rows() > 1000; }
 
 std::span<const Bound> bounds() { return all_bounds; }
+std::span<const ErrorBound> error_bounds() { return all_error_bounds; }
 
 bool has_bound(std::string_view formulation) {
   return std::any_of(std::begin(all_bounds), std::end(all_bounds),

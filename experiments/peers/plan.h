@@ -42,6 +42,12 @@ struct Bound {
   double sizes = 0;  // quotient of the sizes; the limit is that of the exponent
 };
 std::span<const Bound> bounds();
+/// Largest error of a formulation against the closed form, relative.
+struct ErrorBound {
+  Side ours;
+  double limit;
+};
+std::span<const ErrorBound> error_bounds();
 /// Whether a bound speaks of this formulation.
 bool has_bound(std::string_view formulation);
 

@@ -92,27 +92,35 @@ void print_times(std::FILE* out, const std::vector<Row>& rows) {
 void print_bounds(std::FILE* out, const std::vector<Row>& rows) {
   std::vector<Key> order;
   const auto all = results(rows, order);
-  const auto seconds = [&](const Side& side) {
+  const auto of = [&](const Side& side) {
     const auto found = all.find({std::string(side.model), parameters(side.task), std::string(side.who)});
-    return found == all.end() ? std::nan("") : found->second.seconds();
+    return found == all.end() ? Result() : found->second;
   };
   std::set<std::string, std::less<>> run;
   for (const Key& key : order) run.insert(std::get<0>(key));
   TextTable table({"bound", "limit", "measured", ""}, 1);
+  const auto add = [&](const std::string& what, double limit, double measured, const char* format) {
+    const auto text = [&](double value) { return fmt::format(fmt::runtime(format), value); };
+    const bool there = !std::isnan(measured);
+    table.row({what, text(limit), there ? text(measured) : "-",
+               !there              ? "not measured"
+               : measured <= limit ? "holds"
+                                   : "does not hold"});
+  };
   for (const Bound& bound : bounds()) {
     if (!run.count(bound.ours.model) || !run.count(bound.other.model)) continue;
-    double measured = seconds(bound.ours) / seconds(bound.other);
-    if (bound.sizes > 0) measured = std::log(measured) / std::log(bound.sizes);
+    const double ratio = of(bound.ours).seconds() / of(bound.other).seconds();
     const bool same_model = bound.ours.model == bound.other.model, same_side = bound.ours.who == bound.other.who;
-    table.row({fmt::format("{}{}{}{}, {}{}{}", bound.sizes > 0 ? "exponent of " : "", bound.ours.who,
-                           same_side ? "" : " / ", same_side ? "" : bound.other.who, bound.ours.model,
-                           same_model ? "" : " / ", same_model ? "" : bound.other.model),
-               fmt::format("{:.2f}", bound.limit), std::isnan(measured) ? "-" : fmt::format("{:.3f}", measured),
-               std::isnan(measured)      ? "not measured"
-               : measured <= bound.limit ? "holds"
-                                         : "does not hold"});
+    add(fmt::format("{}{}{}{}, {}{}{}", bound.sizes > 0 ? "exponent of " : "", bound.ours.who, same_side ? "" : " / ",
+                    same_side ? "" : bound.other.who, bound.ours.model, same_model ? "" : " / ",
+                    same_model ? "" : bound.other.model),
+        bound.limit, bound.sizes > 0 ? std::log(ratio) / std::log(bound.sizes) : ratio, "{:.3f}");
   }
-  if (!table.empty()) fmt::print(out, "\nBounds on ratios of times\n{}", table.text());
+  for (const ErrorBound& bound : error_bounds())
+    if (run.count(bound.ours.model))
+      add(fmt::format("error of {}, {}", bound.ours.who, bound.ours.model), bound.limit, of(bound.ours).error,
+          "{:.0e}");
+  if (!table.empty()) fmt::print(out, "\nBounds on ratios of times, and on errors\n{}", table.text());
 }
 
 void print_builds(std::FILE* out) {
