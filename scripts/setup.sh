@@ -6,7 +6,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 say() { printf '%s\n' "$*" >&2; }
 die() { say "error: $*"; exit 1; }
 
-# packages build [ci]: the names in packages.txt needed by these users.
+# packages USER...: the names in packages.txt needed by these users.
 packages() {
   local user
   for user in "$@"; do
@@ -20,10 +20,17 @@ missing_packages() {
     awk '$2 == "installed" { print $1 }') || true
 }
 
-# install_missing build [ci]: through apt, with sudo when not root. Names what it installs; does nothing when nothing is missing.
+# install_missing USER...: the packages of these users.
 install_missing() {
-  local wanted missing as_root=() apt
+  local wanted
   mapfile -t wanted < <(packages "$@")
+  install_missing_names "${wanted[@]}"
+}
+
+# install_missing_names PACKAGE...: through apt, with sudo when not root. Names what it installs; does nothing when nothing is
+# missing.
+install_missing_names() {
+  local wanted=("$@") missing as_root=() apt
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     command -v cmake >/dev/null && return  # another system, prepared by hand: CMake tells what it cannot find
     die "this system has no apt; install by hand what these Debian packages contain: ${wanted[*]}"

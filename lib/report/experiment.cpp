@@ -156,7 +156,8 @@ int Experiment::run(int argc, const char* const* argv, const std::function<void(
     s.progress = std::make_unique<Progress>(s.description.name, s.options.quiet);
     s.report = std::make_unique<Report>(Report::Description{
         s.description.name, s.options.out,
-        sidecar(s.description.name, command_line, s.resume_options(), s.options.seed), s.options.resume});
+        sidecar(s.description.name, command_line, s.resume_options(), s.options.seed, s.description.libraries),
+        s.options.resume});
   } catch (const InputError& error) {
     return fail(error, bad_options);
   }

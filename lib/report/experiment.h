@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lib/formulation/formulation.h"
@@ -43,6 +44,8 @@ class Experiment {
     std::function<std::vector<std::string>(bool quick)> models;
     /// The formulations of the default run; all of the register where it is null.
     std::function<bool(const FormulationInfo&)> formulations = nullptr;
+    /// Name and version of libraries beside the project's own, for the sidecar.
+    std::vector<std::pair<std::string, std::string>> libraries = {};
   };
 
   explicit Experiment(Description description);

@@ -72,7 +72,8 @@ std::optional<std::string> build_warning(const BuildInfo& info) {
 }
 
 std::string sidecar(std::string_view experiment, std::span<const std::string> command_line,
-                    std::span<const std::pair<std::string, std::string>> options, std::optional<std::uint64_t> seed) {
+                    std::span<const std::pair<std::string, std::string>> options, std::optional<std::uint64_t> seed,
+                    std::span<const std::pair<std::string, std::string>> more_libraries) {
   const BuildInfo build = build_info();
   nlohmann::ordered_json json;
   json["experiment"] = std::string(experiment);
@@ -87,6 +88,7 @@ std::string sidecar(std::string_view experiment, std::span<const std::string> co
   json["cpu"] = processor();
   json["threads"] = std::thread::hardware_concurrency();
   json["libraries"] = libraries();
+  for (const auto& [name, version] : more_libraries) json["libraries"][name] = version;
   json["command_line"] = std::vector<std::string>(command_line.begin(), command_line.end());
   json["options"] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : options) json["options"][name] = value;

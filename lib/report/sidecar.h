@@ -29,8 +29,10 @@ std::optional<std::string> build_warning(const BuildInfo& info);
 /// JSON object with the keys
 ///   experiment version commit dirty compiler flags build_type optimised sanitized cpu threads libraries command_line
 ///   options seed date finished
-/// `options`: those that decide which rows there are and what they mean; --resume compares them.
+/// `options`: those that decide which rows there are and what they mean; --resume compares them. `more_libraries`: name
+/// and version, beside those of the project.
 std::string sidecar(std::string_view experiment, std::span<const std::string> command_line,
-                    std::span<const std::pair<std::string, std::string>> options, std::optional<std::uint64_t> seed);
+                    std::span<const std::pair<std::string, std::string>> options, std::optional<std::uint64_t> seed,
+                    std::span<const std::pair<std::string, std::string>> more_libraries = {});
 
 }  // namespace lanc

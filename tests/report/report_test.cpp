@@ -167,7 +167,8 @@ TEST_F(ReportFile, a_folder_that_is_not_there_is_told) {
 
 TEST(Sidecar, tells_version_commit_compiler_processor_and_command_line) {
   const std::vector<std::pair<std::string, std::string>> options = {{"quick", "yes"}};
-  const auto json = nlohmann::json::parse(sidecar("experiment", command_line, options, 7));
+  const std::vector<std::pair<std::string, std::string>> libraries = {{"another", "1.2.3"}};
+  const auto json = nlohmann::json::parse(sidecar("experiment", command_line, options, 7, libraries));
   for (const char* key :
        {"experiment", "version", "commit", "dirty", "compiler", "flags", "build_type", "optimised", "sanitized", "cpu",
         "threads", "libraries", "command_line", "options", "seed", "date", "finished"})
@@ -176,6 +177,7 @@ TEST(Sidecar, tells_version_commit_compiler_processor_and_command_line) {
   EXPECT_EQ(json["command_line"].size(), 2U);
   EXPECT_EQ(json["options"]["quick"], "yes");
   EXPECT_TRUE(json["libraries"].contains("SuiteSparse"));
+  EXPECT_EQ(json["libraries"]["another"], "1.2.3");
   EXPECT_FALSE(json["finished"]);
 }
 
