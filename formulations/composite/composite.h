@@ -25,6 +25,7 @@ class Composite final : public TreeFormulation<S> {
     H_.resize(start_.back());
     int deepest = 0;
     for (int k = 0; k < model.nv(); ++k) deepest = std::max(deepest, paths_.depth(k));
+    from_below_.assign(deepest, S(0.0));
     on_path_.resize(deepest);
   }
 
@@ -55,7 +56,8 @@ class Composite final : public TreeFormulation<S> {
   std::vector<S> H_;
   std::vector<RigidInertia<S>> composite_;  // M^c_i: body i and all it carries, as one rigid body
   std::vector<S> inverse_diagonal_;         // of D
-  std::vector<S> on_path_;
+  // By depth, along the path of the present coordinate: Lᵀ y of those below, zero when all is done; and η̇.
+  std::vector<S> from_below_, on_path_;
 };
 
 template <class S>
@@ -116,15 +118,15 @@ void Composite<S>::substitute_tree(const System<S>& system, const RightHandSide<
   newton_euler_at_rest(system, rhs, solution);
   for (int k = 0; k < model.nv(); ++k)
     x[k] = rhs.tau[k] - project(model.column_kind(k), system.columns[k], solution.wrench[model.body_of_velocity(k)]);
-  // Lᵀ y = x, then L η̇ = D⁻¹ y. on_path_: by depth, what the rows below add to y; then η̇.
-  S* const __restrict on_path = on_path_.data();
-  std::fill(on_path, on_path + on_path_.size(), S(0.0));
+  // Lᵀ y = x, then L η̇ = D⁻¹ y
+  S* const from_below = from_below_.data();
+  S* const on_path = on_path_.data();
   for (auto k = preorder_.rbegin(); k != preorder_.rend(); ++k) {
     const S* const L = row(*k);
     const int d = paths_.depth(*k) - 1;
-    const S y = x[*k] - on_path[d];
-    on_path[d] = S(0.0);
-    for (int e = 0; e < d; ++e) on_path[e] += L[e] * y;
+    const S y = x[*k] - from_below[d];
+    from_below[d] = S(0.0);
+    for (int e = 0; e < d; ++e) from_below[e] += L[e] * y;
     x[*k] = y;
   }
   for (const int k : preorder_) {

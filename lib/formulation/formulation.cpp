@@ -79,13 +79,13 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, Ra
     substitute(system, rhs, solution);
     settle_reactions(system, rhs, solution);
     drive_forces(system, solution);
-    const auto look = judgement::first_look(system, solution);
-    if (std::isnan(look.infinite))
+    const double excess = judgement::first_look(system, solution);
+    if (std::isnan(excess))
       outcome = {
           Status::singular,
           "the answer is not finite: a pivot vanished or has the wrong sign, so the mass matrix is singular or not "
           "positive definite at this state"};
-    else if (look.excess > 0 || model_.has_singular_inertia() || rank_)
+    else if (excess > 0 || model_.has_singular_inertia() || rank_)
       outcome = verified(system, solution);
   }
   if (outcome.status == Status::singular && indefinite_by_inertia(system)) outcome = not_definite();

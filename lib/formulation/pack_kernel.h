@@ -41,12 +41,12 @@ class PackKernel final : public BatchKernel {
     const System<P>& system = evaluator_.system(state_, states.tau.empty() ? none_ : loads_);
     phases_.factorise(system);
     phases_.substitute(system, system.rhs, solution_);
-    const auto look = judgement::first_look(system, solution_);
+    const P excess = judgement::first_look(system, solution_);
     for (int lane = 0; lane < count; ++lane) {
       double* vdot = answers.vdot.data() + std::size_t(nv) * (first + lane);
       for (int k = 0; k < nv; ++k) vdot[k] = solution_.vdot[k][lane];
       if (options.all_outputs) scatter(first + lane, lane, answers);
-      const bool good = !std::isnan(look.infinite[lane]) && !(look.excess[lane] > 0);
+      const bool good = excess[lane] == 0;
       answers.outcome[first + lane] = {good ? Status::solved : Status::not_converged};
     }
   }

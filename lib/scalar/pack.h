@@ -42,7 +42,8 @@ class Pack {
     for (int k = 0; k < N; ++k) r.v_[k] = std::sqrt(a.v_[k]);
     return r;
   }
-  /// |a|, and the larger of two, lane by lane: for bounds on answers, not for mechanics, which compares nothing.
+  /// |a|, and the larger of two (b where it is NaN), lane by lane: for bounds on answers, not for mechanics, which
+  /// compares nothing.
   friend Pack magnitude(const Pack& a) { return of(a.v_ < 0 ? -a.v_ : a.v_); }
   friend Pack larger(const Pack& a, const Pack& b) { return of(a.v_ > b.v_ ? a.v_ : b.v_); }
   friend Pack sin(const Pack& a) {

@@ -10,6 +10,7 @@ namespace lanc {
 template <class S>
 struct BlockScalar {
   using type = S;
+  using Constant = double;
   static constexpr int lanes = 1;
   static S get(const S& block, int) { return block; }
   static void set(S& block, int, const S& x) { block = x; }
@@ -17,12 +18,16 @@ struct BlockScalar {
 template <>
 struct BlockScalar<double> {
   using type = Pack<double, 8>;
+  using Constant = type;
   static constexpr int lanes = type::lanes;
   static double get(const type& block, int lane) { return block[lane]; }
   static void set(type& block, int lane, double x) { block.set(lane, x); }
 };
 template <class S>
 using Block = typename BlockScalar<S>::type;
+/// Of what does not change with the state: plain numbers where a block is one body, whatever its scalar.
+template <class S>
+using BlockConstant = typename BlockScalar<S>::Constant;
 /// How many blocks hold that many bodies.
 template <class S>
 constexpr int blocks_of(int bodies) {

@@ -25,10 +25,13 @@ Evaluator<S>::Evaluator(const Model& model)
   for (int i = 0; i < model.bodies(); ++i) {
     const Link& link = model.link(i);
     Masses& masses = masses_[static_cast<unsigned>(i) / lanes];
-    BlockScalar<S>::set(masses.inertia.mass, lane(i), S(link.inertia.mass));
-    set_lane<S>(masses.inertia.h, lane(i), cast<S>(link.inertia.h));
-    set_lane<S>(masses.inertia.J, lane(i), cast<S>(link.inertia.J));
-    set_lane<S>(masses.weight, lane(i), cast<S>(link.weight));
+    if constexpr (lanes == 1) {
+      masses = {link.inertia.h, link.inertia.J, link.weight};
+    } else {
+      set_lane<S>(masses.h, lane(i), link.inertia.h);
+      set_lane<S>(masses.J, lane(i), link.inertia.J);
+      set_lane<S>(masses.weight, lane(i), link.weight);
+    }
     system_.bodies[i].inertia.mass = S(link.inertia.mass);
   }
 }
@@ -95,11 +98,11 @@ void Evaluator<S>::weigh(int block) {
   const Mat3<B>& R = frames_[block].R;
   const Vec3<B>& w = frames_[block].omega;
   const Masses& masses = masses_[block];
-  const Vec3<B> h = R * masses.inertia.h;
-  const Sym3<B> J = rotated(R, masses.inertia.J);
+  const Vec3<B> h = R * cast<B>(masses.h);
+  const Sym3<B> J = rotated(R, masses.J);
   // f̂^c = [(J ω) × ω; (ω × h) × ω], f̂^t = [h × g; m g]
   const Vec3<B> moment = cross(J * w, w) + cross(h, cast<B>(system_.model.gravity())),
-                force = cross(cross(w, h), w) + masses.weight;
+                force = cross(cross(w, h), w) + cast<B>(masses.weight);
   const int width = lanes, first = block * width, last = std::min(first + width, system_.model.bodies());
   for (int i = first; i < last; ++i) {
     system_.bodies[i].inertia.h = lane_of<S>(h, i - first);
@@ -116,6 +119,9 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
   const Model& model = system_.model;
   sample_motions(state.t);
   sample_angles(state);
+  // Packs are weighed one block behind: it takes a while until what was written number by number can be read as one.
+  constexpr int width = lanes, behind = lanes > 1;
+  int weighed = 0;
   for (int i = 0; i < model.bodies(); ++i) {
     const Link& link = model.link(i);
     if (link.drive < 0) {
@@ -124,8 +130,9 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
       const S position(motions_[link.drive].position), velocity(motions_[link.drive].velocity);
       steps[link.kind.index](*this, i, &position, &velocity);
     }
+    if ((i + 1) / width > weighed + behind) weigh(weighed++);
   }
-  for (std::size_t block = 0; block < frames_.size(); ++block) weigh(static_cast<int>(block));
+  while (weighed < blocks_of<S>(model.bodies())) weigh(weighed++);
   if (loads.tau.empty())
     std::fill(system_.rhs.tau.begin(), system_.rhs.tau.end(), S(0.0));
   else

@@ -40,8 +40,9 @@ class Evaluator {
   };
   /// Their inertias in joint axes, and weights.
   struct Masses {
-    RigidInertia<B> inertia{};
-    Vec3<B> weight{};
+    Vec3<BlockConstant<S>> h{};
+    Sym3<BlockConstant<S>> J{};
+    Vec3<BlockConstant<S>> weight{};
   };
   static unsigned lane(int body) { return static_cast<unsigned>(body) % lanes; }
   const Frames& frames_of(int body) const { return frames_[static_cast<unsigned>(body) / lanes]; }
