@@ -46,6 +46,12 @@ class Pack {
   /// compares nothing.
   friend Pack magnitude(const Pack& a) { return of(a.v_ < 0 ? -a.v_ : a.v_); }
   friend Pack larger(const Pack& a, const Pack& b) { return of(a.v_ > b.v_ ? a.v_ : b.v_); }
+  /// The first `count` lanes of a, 0 in the others, whatever stands there.
+  friend Pack first_lanes(const Pack& a, int count) {
+    Vector lane;
+    for (int k = 0; k < N; ++k) lane[k] = static_cast<T>(k);
+    return of(lane < static_cast<T>(count) ? a.v_ : Vector{});
+  }
   friend Pack sin(const Pack& a) {
     T x[N], s[N], c[N];
     a.store(x);

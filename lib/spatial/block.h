@@ -34,6 +34,22 @@ constexpr int blocks_of(int bodies) {
   return (bodies + BlockScalar<S>::lanes - 1) / BlockScalar<S>::lanes;
 }
 
+/// Numbers of one array as blocks; it must be allocated in whole blocks.
+template <class S>
+inline Block<S> load_block(const S* from) {
+  if constexpr (BlockScalar<S>::lanes == 1)
+    return *from;
+  else
+    return Block<S>::load(from);
+}
+template <class S>
+inline void store_block(const Block<S>& block, S* to) {
+  if constexpr (BlockScalar<S>::lanes == 1)
+    *to = block;
+  else
+    block.store(to);
+}
+
 /// One body's part of a block. Always inlined: a matrix returned through memory costs the kinematics a tenth.
 template <class S>
 [[gnu::always_inline]] inline Vec3<S> lane_of(const Vec3<Block<S>>& a, int lane) {

@@ -7,14 +7,18 @@ namespace {
 template <bool with_rates, bool with_wrenches, class S>
 void sweep_outward(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   const std::span<const Link> links = system.model.links();
+  Motion<S> before;  // of the body before, often the parent: kept at hand, since memory would answer late
   for (int i = 0; i < system.model.bodies(); ++i) {
     const Link& link = links[i];
     Motion<S> a = rhs.bias[i];
-    if (link.parent != ground) a += moved_outward(system.bodies[i].r, solution.acceleration[link.parent]);
+    if (link.parent != ground) {
+      if (link.parent != i - 1) before = solution.acceleration[link.parent];
+      a += moved_outward(system.bodies[i].r, before);
+    }
     if constexpr (with_rates)
       for (int k = link.v; k < link.v + link.nv; ++k)
         add_along(system.model.column_kind(k), system.columns[k], solution.vdot[k], a);
-    solution.acceleration[i] = a;
+    solution.acceleration[i] = before = a;
     if constexpr (with_wrenches) solution.wrench[i] = system.bodies[i].inertia * a - rhs.force[i];
   }
 }
