@@ -1,0 +1,175 @@
+#include "lib/derivatives/forward_derivatives.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "lib/derivatives/closure_outcome.h"
+#include "lib/derivatives/inverse_dynamics_derivatives.h"
+#include "lib/derivatives/pair_derivatives.h"
+#include "lib/solve/dense_inverse.h"
+#include "lib/system/closure_jacobian.h"
+
+namespace lanc {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using View = Eigen::Map<Matrix>;
+
+bool finite(const std::vector<double>& values) {
+  return std::isfinite(
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())).sum());
+}
+
+}  // namespace
+
+/// Rows of G and their projections, where loops are closed: with L Lᵀ = G M̄⁻¹ Gᵀ and Z = M̄⁻¹ Gᵀ L⁻ᵀ,
+///   T = Zᵀ ∂r − L⁻¹ ∂(G η̇ + γ̿),   ∂η̇ = −M̄⁻¹ ∂r + Z T,   ∂λ = L⁻ᵀ T.
+class AnalyticDerivatives::Loops {
+ public:
+  explicit Loops(const Model& model)
+      : model_(model), rank_(model), jacobian_(model), lambda_(model.closures().rows()), force_(model.nv()) {
+    const std::size_t n = model.nv(), rows = model.closures().rows();
+    for (std::vector<double>* m : {&position_, &velocity_, &G_, &Z_, &T_}) m->resize(rows * n);
+    S_.resize(rows * rows);
+  }
+
+  Outcome decide(const System<double>& system, RankPolicy policy, std::vector<int>& independent) {
+    const ClosureDecision& decision = rank_.decide(system, policy);
+    independent.clear();
+    for (std::size_t k = 0; k < lambda_.size(); ++k)
+      if (decision.independent[k]) independent.push_back(static_cast<int>(k));
+    return closure_outcome(decision);
+  }
+
+  /// False when the rows are not independent in the metric of M̄⁻¹.
+  bool factorise(const System<double>& system, const std::vector<double>& inverse,
+                 const std::vector<int>& independent) {
+    const int n = model_.nv(), r = static_cast<int>(independent.size());
+    jacobian_.evaluate(system);
+    View G(G_.data(), r, n), Z(Z_.data(), n, r), S(S_.data(), r, r);
+    G.setZero();
+    for (int i = 0; i < r; ++i)
+      for (int p = jacobian_.starts()[independent[i]]; p < jacobian_.starts()[independent[i] + 1]; ++p)
+        G(i, jacobian_.columns()[p]) += jacobian_.values()[p];
+    Z.noalias() = View(const_cast<double*>(inverse.data()), n, n) * G.transpose();
+    S.noalias() = G * Z;
+    Eigen::LLT<Eigen::Ref<Matrix>> factor(S);
+    if (factor.info() != Eigen::Success) return false;
+    S.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(Z);
+    return true;
+  }
+
+  /// Adds the reactions of the independent rows that do what all of the answer do: λ = L⁻ᵀ Zᵀ Gᵀλ.
+  void add_reactions(const Evaluator<double>& evaluator, const System<double>& system, double t,
+                     const Solution<double>& solution, const std::vector<int>& independent, PairDerivatives& pairs,
+                     InverseDynamicsDerivatives& dynamics) {
+    const int n = model_.nv(), r = static_cast<int>(independent.size());
+    lambda_ = solution.lambda;
+    if (r < static_cast<int>(lambda_.size())) {
+      Eigen::Map<Eigen::VectorXd> force(force_.data(), n), chosen(T_.data(), r);
+      force.setZero();
+      for (int k = 0; k < jacobian_.rows(); ++k)
+        for (int p = jacobian_.starts()[k]; p < jacobian_.starts()[k + 1]; ++p)
+          force[jacobian_.columns()[p]] += jacobian_.values()[p] * lambda_[k];
+      chosen.noalias() = View(Z_.data(), n, r).transpose() * force;
+      View(S_.data(), r, r).triangularView<Eigen::Lower>().transpose().solveInPlace(chosen);
+      std::fill(lambda_.begin(), lambda_.end(), 0.0);
+      for (int k = 0; k < r; ++k) lambda_[independent[k]] = chosen[k];
+    }
+    std::fill(position_.begin(), position_.end(), 0.0);
+    std::fill(velocity_.begin(), velocity_.end(), 0.0);
+    pairs.add_closures(evaluator, system, t, solution, lambda_, dynamics, position_, velocity_);
+  }
+
+  /// ∂η̇ holds −M̄⁻¹ ∂r. closure: ∂(G η̇ + γ̿), all rows.
+  void constrain(const std::vector<double>& residual, const std::vector<double>& closure,
+                 const std::vector<int>& independent, std::vector<double>& vdot, std::vector<double>& multiplier) {
+    const int n = model_.nv(), r = static_cast<int>(independent.size()), rows = static_cast<int>(lambda_.size());
+    View T(T_.data(), r, n);
+    for (int c = 0; c < n; ++c)
+      for (int k = 0; k < r; ++k) T(k, c) = -closure[std::size_t(c) * rows + independent[k]];
+    const View Z(Z_.data(), n, r), S(S_.data(), r, r);
+    S.triangularView<Eigen::Lower>().solveInPlace(T);
+    T.noalias() += Z.transpose() * View(const_cast<double*>(residual.data()), n, n);
+    finish(T, vdot, multiplier);
+  }
+  void constrain_position(const InverseDynamicsDerivatives& d, ForwardDerivatives& result) {
+    constrain(d.position, position_, result.independent, result.position, result.multiplier_position);
+  }
+  void constrain_velocity(const InverseDynamicsDerivatives& d, ForwardDerivatives& result) {
+    constrain(d.velocity, velocity_, result.independent, result.velocity, result.multiplier_velocity);
+  }
+  /// ∂r = −1 for forces.
+  void constrain_force(ForwardDerivatives& result) {
+    const int n = model_.nv(), r = static_cast<int>(result.independent.size());
+    View T(T_.data(), r, n);
+    T = -View(Z_.data(), n, r).transpose();
+    finish(T, result.force, result.multiplier_force);
+  }
+
+ private:
+  void finish(View& T, std::vector<double>& vdot, std::vector<double>& multiplier) {
+    const auto n = T.cols(), r = T.rows();
+    View(vdot.data(), n, n).noalias() += View(Z_.data(), n, r) * T;
+    View(S_.data(), r, r).triangularView<Eigen::Lower>().transpose().solveInPlace(T);
+    multiplier.assign(T.data(), T.data() + T.size());
+  }
+
+  Model model_;
+  ClosureRank<double> rank_;
+  ClosureJacobian<double> jacobian_;
+  std::vector<double> lambda_, force_, position_, velocity_, G_, Z_, S_, T_;
+};
+
+AnalyticDerivatives::AnalyticDerivatives(const Model& model)
+    : model_(model),
+      dynamics_(std::make_unique<InverseDynamicsDerivatives>(model)),
+      pairs_(std::make_unique<PairDerivatives>(model)),
+      loops_(model.has_closures() ? std::make_unique<Loops>(model) : nullptr),
+      scratch_(model.nv()) {
+  const std::size_t n = model.nv(), rows = model.closures().rows();
+  for (auto* m : {&result_.position, &result_.velocity, &result_.force}) m->resize(n * n);
+  for (auto* m : {&result_.multiplier_position, &result_.multiplier_velocity, &result_.multiplier_force})
+    m->reserve(rows * n);
+  result_.independent.reserve(rows);
+}
+
+AnalyticDerivatives::~AnalyticDerivatives() = default;
+
+Outcome AnalyticDerivatives::at(Evaluator<double>& evaluator, const System<double>& system, const State<double>& state,
+                                const Loads<double>& loads, const Solution<double>& solution, RankPolicy policy) {
+  const int n = model_.nv();
+  Outcome outcome;
+  if (loops_) {
+    outcome = loops_->decide(system, policy, result_.independent);
+    if (!outcome.usable()) return outcome;
+  }
+  InverseDynamicsDerivatives& d = *dynamics_;
+  d.evaluate(evaluator, system, state, loads,
+             pairs_->any() ? pairs_->without_pairs(evaluator, system, solution) : solution);
+  pairs_->add_springs(evaluator, d);
+  d.mass.swap(result_.force);
+  const bool regular = invert_from_last(result_.force.data(), n, scratch_.data()) &&
+                       (!loops_ || loops_->factorise(system, result_.force, result_.independent));
+  if (!regular) {
+    outcome.status = finite(d.position) && finite(d.velocity) ? Status::objection : Status::not_finite;
+    outcome.message =
+        "the mass matrix of the tree, by whose inverse the derivatives are made, is not positive definite at this "
+        "state";
+    return outcome;
+  }
+  if (loops_) loops_->add_reactions(evaluator, system, state.t, solution, result_.independent, *pairs_, d);
+  multiply(n, n, n, -1, result_.force.data(), d.position.data(), result_.position.data());
+  multiply(n, n, n, -1, result_.force.data(), d.velocity.data(), result_.velocity.data());
+  if (loops_) {
+    loops_->constrain_position(d, result_);
+    loops_->constrain_velocity(d, result_);
+    loops_->constrain_force(result_);
+  }
+  if (!finite(result_.position) || !finite(result_.velocity) || !finite(result_.force))
+    outcome.status = Status::not_finite, outcome.message = "a force or a closure condition has no derivative here";
+  return outcome;
+}
+
+}  // namespace lanc

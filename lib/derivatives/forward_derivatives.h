@@ -1,0 +1,83 @@
+// Derivatives of forward dynamics: ∂η̇/∂q, ∂η̇/∂η, ∂η̇/∂τ of open and closed mechanisms.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lib/closure/rank.h"
+#include "lib/formulation/outcome.h"
+#include "lib/system/evaluator.h"
+
+namespace lanc {
+
+class Differentiator;
+class InverseDynamicsDerivatives;
+class PairDerivatives;
+
+/// Matrices column after column, SI units, rows: velocity coordinates (η̇) or closure rows (λ). Columns of `position`:
+/// derivatives along q̇ = H(q) e_k (eq. 1), so that every joint has as many as it has velocities, those with Euler
+/// parameters, too: for them a turn of the successor about its own axis k. `force` is M̄⁻¹ on a tree; with closures the
+/// part of it that keeps the conditions; symmetric.
+///
+/// Closed loops: the answer of M̄ η̇ − Gᵀλ = b, G η̇ + γ̿ = 0 with a fixed set of independent rows (ClosureDecision) and
+/// multipliers of these alone. Off the closure conditions the derivatives are those of these equations; along motions
+/// that keep the conditions (q̇ and η̇ directions with G q̇ = 0 and what follows for η) those of the mechanism, for
+/// any choice of the rows.
+struct ForwardDerivatives {
+  std::vector<double> position, velocity, force;                                   // nv × nv
+  std::vector<int> independent;                                                    // the closure rows
+  std::vector<double> multiplier_position, multiplier_velocity, multiplier_force;  // of their λ: as many rows × nv
+};
+
+/// By the analytic recursion of inverse_dynamics_derivatives.h: ∂η̇ = −M̄⁻¹ ∂r, r = M̄ η̇ − b − Gᵀλ. On a tree
+/// O(nv · depth) and two products of nv × nv matrices. Bound to a model; allocates here and never again, apart from
+/// Eigen's scratch for large products (lib/solve/dense_inverse.h).
+/// Tested by tests/derivatives/forward_derivatives_test.cpp.
+class AnalyticDerivatives {
+ public:
+  explicit AnalyticDerivatives(const Model& model);
+  ~AnalyticDerivatives();
+
+  /// At the evaluator's last state: `system` is what it returned for state and loads, `solution` the answer of any
+  /// formulation there (η̇, â, f̂, λ). Status, beside `solved` and `redundant`:
+  ///   singular      M̄ of the tree is not positive definite; or the rank of the closure conditions changes here, so
+  ///                 that η̇ has no derivative
+  ///   inconsistent  the state violates the closure conditions, unless the rank is given
+  ///   not_finite    some derivative is not: two ends of a spring meet, say
+  Outcome at(Evaluator<double>& evaluator, const System<double>& system, const State<double>& state,
+             const Loads<double>& loads, const Solution<double>& solution, RankPolicy policy = {});
+
+  /// Of the last at() that was usable.
+  const ForwardDerivatives& derivatives() const { return result_; }
+
+ private:
+  class Loops;
+  Model model_;
+  std::unique_ptr<InverseDynamicsDerivatives> dynamics_;
+  std::unique_ptr<PairDerivatives> pairs_;
+  std::unique_ptr<Loops> loops_;  // where loops are closed
+  std::vector<double> scratch_;
+  ForwardDerivatives result_;
+};
+
+/// The same by dual numbers through inverse dynamics, and LU factors of [M̄ −Gᵀ; G 0]: nothing in common with
+/// AnalyticDerivatives but the evaluator and the choice of rows. O((nq + nv) n) passes over the bodies and O(nv³).
+class DualDerivatives {
+ public:
+  DualDerivatives(const Model& model, const Loads<double>& loads);
+  ~DualDerivatives();
+
+  /// As AnalyticDerivatives::at, under the loads of the constructor; `singular` where [M̄ −Gᵀ; G 0] is.
+  Outcome at(const System<double>& system, const State<double>& state, const Solution<double>& solution,
+             RankPolicy policy = {});
+
+  const ForwardDerivatives& derivatives() const { return result_; }
+
+ private:
+  Model model_;
+  std::unique_ptr<Differentiator> differentiator_;
+  std::unique_ptr<ClosureRank<double>> rank_;
+  ForwardDerivatives result_;
+};
+
+}  // namespace lanc
