@@ -8,8 +8,9 @@
 #include "lib/system/mass_matrix.h"
 
 namespace lanc {
-
+namespace {
 using Matrix = Eigen::MatrixXd;
+}
 
 DualDerivatives::DualDerivatives(const Model& model, const Loads<double>& loads)
     : model_(model), differentiator_(std::make_unique<Differentiator>(model, loads)) {

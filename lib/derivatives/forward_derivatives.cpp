@@ -6,8 +6,8 @@
 
 #include "lib/derivatives/closure_outcome.h"
 #include "lib/derivatives/inverse_dynamics_derivatives.h"
+#include "lib/derivatives/mass_inverse.h"
 #include "lib/derivatives/pair_derivatives.h"
-#include "lib/solve/dense_inverse.h"
 #include "lib/system/closure_jacobian.h"
 
 namespace lanc {
@@ -124,10 +124,11 @@ class AnalyticDerivatives::Loops {
 
 AnalyticDerivatives::AnalyticDerivatives(const Model& model)
     : model_(model),
-      dynamics_(std::make_unique<InverseDynamicsDerivatives>(model)),
+      order_(std::make_unique<CoordinateOrder>(model)),
+      dynamics_(std::make_unique<InverseDynamicsDerivatives>(model, *order_)),
+      mass_inverse_(std::make_unique<MassInverse>(model, *order_)),
       pairs_(std::make_unique<PairDerivatives>(model)),
-      loops_(model.has_closures() ? std::make_unique<Loops>(model) : nullptr),
-      scratch_(model.nv()) {
+      loops_(model.has_closures() ? std::make_unique<Loops>(model) : nullptr) {
   const std::size_t n = model.nv(), rows = model.closures().rows();
   for (auto* m : {&result_.position, &result_.velocity, &result_.force}) m->resize(n * n);
   for (auto* m : {&result_.multiplier_position, &result_.multiplier_velocity, &result_.multiplier_force})
@@ -149,19 +150,18 @@ Outcome AnalyticDerivatives::at(Evaluator<double>& evaluator, const System<doubl
   d.evaluate(evaluator, system, state, loads,
              pairs_->any() ? pairs_->without_pairs(evaluator, system, solution) : solution);
   pairs_->add_springs(evaluator, d);
-  d.mass.swap(result_.force);
-  const bool regular = invert_from_last(result_.force.data(), n, scratch_.data()) &&
-                       (!loops_ || loops_->factorise(system, result_.force, result_.independent));
-  if (!regular) {
-    outcome.status = finite(d.position) && finite(d.velocity) ? Status::objection : Status::not_finite;
+  mass_inverse_->evaluate(system, result_.force);
+  if (!finite(result_.force) || (loops_ && !loops_->factorise(system, result_.force, result_.independent))) {
+    outcome.status = Status::objection;
     outcome.message =
-        "the mass matrix of the tree, by whose inverse the derivatives are made, is not positive definite at this "
-        "state";
+        "the mass matrix of the tree that is left without its loops is singular or not positive definite, and the "
+        "derivatives are made by its inverse";
     return outcome;
   }
   if (loops_) loops_->add_reactions(evaluator, system, state.t, solution, result_.independent, *pairs_, d);
-  multiply(n, n, n, -1, result_.force.data(), d.position.data(), result_.position.data());
-  multiply(n, n, n, -1, result_.force.data(), d.velocity.data(), result_.velocity.data());
+  const View inverse(result_.force.data(), n, n);
+  View(result_.position.data(), n, n).noalias() = -inverse * View(d.position.data(), n, n);
+  View(result_.velocity.data(), n, n).noalias() = -inverse * View(d.velocity.data(), n, n);
   if (loops_) {
     loops_->constrain_position(d, result_);
     loops_->constrain_velocity(d, result_);

@@ -10,8 +10,10 @@
 
 namespace lanc {
 
+struct CoordinateOrder;
 class Differentiator;
 class InverseDynamicsDerivatives;
+class MassInverse;
 class PairDerivatives;
 
 /// Matrices column after column, SI units, rows: velocity coordinates (η̇) or closure rows (λ). Columns of `position`:
@@ -53,10 +55,11 @@ class AnalyticDerivatives {
  private:
   class Loops;
   Model model_;
+  std::unique_ptr<CoordinateOrder> order_;
   std::unique_ptr<InverseDynamicsDerivatives> dynamics_;
+  std::unique_ptr<MassInverse> mass_inverse_;
   std::unique_ptr<PairDerivatives> pairs_;
   std::unique_ptr<Loops> loops_;  // where loops are closed
-  std::vector<double> scratch_;
   ForwardDerivatives result_;
 };
 

@@ -1,7 +1,8 @@
 #include "lib/derivatives/inverse_dynamics_derivatives.h"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
+#include <utility>
 
 #include "lib/system/passive_torque.h"
 
@@ -12,7 +13,7 @@ namespace {
 /// are the same about every point.
 enum Row { of_mass = 0, of_velocity = 6, of_position = 12, of_coriolis = 18, of_loads = 21, rows = 24 };
 /// Rows of `met_`.
-enum Met { mass_row, position_inward, velocity_inward, position_outward, velocity_outward, met_rows };
+enum Met { position_inward, velocity_inward, position_outward, velocity_outward, met_rows };
 
 Motion<double> cross(const Motion<double>& a, const Motion<double>& b) {
   return {cross(a.angular, b.angular), cross(a.angular, b.linear) + cross(a.linear, b.angular)};
@@ -28,89 +29,78 @@ void put(const Wrench<double>& f, double* at, int stride) {
   put(f.force, at + 3 * stride, stride);
 }
 
-/// One motion on all wrenches of a group of rows at c; what the kind knows to be zero is left out.
-template <ColumnKind kind>
-[[gnu::always_inline]] inline double power(const double* w, int stride, int c, const Motion<double>& m) {
-  const double* f = w + c;
-  double sum = 0;
-  if constexpr (kind != ColumnKind::translation)
-    sum += m.angular.x * f[0] + m.angular.y * f[stride] + m.angular.z * f[2 * stride];
-  if constexpr (kind != ColumnKind::rotation)
-    sum += m.linear.x * f[3 * stride] + m.linear.y * f[4 * stride] + m.linear.z * f[5 * stride];
-  return sum;
-}
-
 using Direction = InverseDynamicsDerivatives::Direction;
 
-/// The joint of coordinate k meets `count` columns of what it carries. w: first of them, in row 0.
+/// Where a coordinate's meetings are written, one number a column.
+struct Meetings {
+  double *position, *velocity;          // of what is carried, in the coordinate's column
+  double *position_out, *velocity_out;  // of the coordinate, in the columns of what is carried
+};
+
+/// Cᵀ f; what the kind knows to be zero is left out.
 template <ColumnKind kind>
-[[gnu::noinline]] void project(const Direction& direction, const double* __restrict w, int stride, int count,
-                               bool loaded, double* __restrict mass, double* __restrict position,
-                               double* __restrict velocity, double* __restrict position_out,
-                               double* __restrict velocity_out) {
-  constexpr ColumnKind screw = ColumnKind::screw;
-  const Direction d = direction;
-  const Vec3<double> turn = d.velocity.angular, s = d.C.angular;
-  for (int c = 0; c < count; ++c) {
-    const double *coriolis = w + of_coriolis * stride + c, *x = coriolis, *y = x + stride, *z = y + stride;
-    mass[c] = power<kind>(w, stride, c, d.C);
-    position[c] = power<screw>(w, stride, c, d.acceleration) + turn.x * *x + turn.y * *y + turn.z * *z;
-    double rate = power<screw>(w, stride, c, d.rate);
-    if constexpr (kind != ColumnKind::translation) rate += s.x * *x + s.y * *y + s.z * *z;
-    velocity[c] = rate;
-    position_out[c] = power<kind>(w + of_position * stride, stride, c, d.C);
-    velocity_out[c] = power<kind>(w + of_velocity * stride, stride, c, d.C);
-  }
-  if (!loaded || kind == ColumnKind::translation) return;
-  const double *x = w + of_loads * stride, *y = x + stride, *z = y + stride;
-  for (int c = 0; c < count; ++c) position[c] += s.x * x[c] + s.y * y[c] + s.z * z[c];
+[[gnu::always_inline]] inline Lanes project(const SixLanes& f, const Motion<double>& C) {
+  if constexpr (kind == ColumnKind::rotation) return f.upper(C.angular);
+  if constexpr (kind == ColumnKind::translation) return f.lower(C.linear);
+  return f.upper(C.angular) + f.lower(C.linear);
 }
+
+/// The joint of a coordinate meets `count` columns of what it carries; these then go on by `arm`.
+template <ColumnKind kind>
+void meet_columns(const Direction& direction, const Vec3<double>& arm, int count, const SixRows& columns, bool loaded,
+                  const Meetings& to) {
+  const Direction d = direction;
+  const Vec3<double> r = arm;
+  for_columns(count, [&](int c, auto lanes) {
+    const auto group = [&](Row row) { return SixRows{columns.row(row), columns.stride}; };
+    const auto couple = [&](Row row, const Vec3<double>& s) {
+      const auto at = [&](int i) { return lanes.load(columns.row(row + i) + c); };
+      return at(0) * s.x + at(1) * s.y + at(2) * s.z;
+    };
+    SixLanes mass(group(of_mass), c, lanes), position(group(of_position), c, lanes),
+        velocity(group(of_velocity), c, lanes);
+    Lanes in = project<ColumnKind::screw>(mass, d.acceleration) + couple(of_coriolis, d.velocity.angular);
+    if (loaded) in += couple(of_loads, d.C.angular);
+    lanes.store(to.position + c, in);
+    in = project<ColumnKind::screw>(mass, d.rate);
+    if constexpr (kind != ColumnKind::translation) in += couple(of_coriolis, d.C.angular);
+    lanes.store(to.velocity + c, in);
+    lanes.store(to.position_out + c, project<kind>(position, d.C));
+    lanes.store(to.velocity_out + c, project<kind>(velocity, d.C));
+    for (const auto& [wrenches, row] :
+         {std::pair{&mass, of_mass}, {&position, of_position}, {&velocity, of_velocity}}) {
+      wrenches->move_inward(r);
+      wrenches->store_upper(group(row), c, lanes);
+    }
+  });
+}
+
+void move_columns(const Vec3<double>& arm, int count, const SixRows& columns) {
+  const Vec3<double> r = arm;
+  for_columns(count, [&](int c, auto lanes) {
+    for (const Row row : {of_mass, of_velocity, of_position}) {
+      const SixRows group{columns.row(row), columns.stride};
+      SixLanes f(group, c, lanes);
+      f.move_inward(r);
+      f.store_upper(group, c, lanes);
+    }
+  });
+}
+
+constexpr Vec3<double> nowhere{0, 0, 0};
 
 }  // namespace
 
-InverseDynamicsDerivatives::InverseDynamicsDerivatives(const Model& model)
-    : mass(std::size_t(model.nv()) * model.nv()),
-      position(mass.size()),
-      velocity(mass.size()),
+InverseDynamicsDerivatives::InverseDynamicsDerivatives(const Model& model, const CoordinateOrder& order)
+    : position(std::size_t(model.nv()) * model.nv()),
+      velocity(position.size()),
       model_(model),
-      place_(model.nv()),
-      coordinate_(model.nv()),
-      begin_(model.bodies()),
-      end_(model.bodies()),
+      order_(order),
       directions_(model.nv()),
       spatial_acceleration_(model.bodies()),
       carried_(model.bodies()),
       columns_(std::size_t(rows) * model.nv()),
-      met_(std::size_t(met_rows) * model.nv()) {
-  number_coordinates();
-}
-
-void InverseDynamicsDerivatives::number_coordinates() {
-  const int n = model_.bodies();
-  std::vector<int> size(n, 1), first(n);  // bodies a body carries, itself included, and its place among all
-  for (int i = n - 1; i >= 0; --i)
-    if (const int p = model_.link(i).parent; p != ground) size[p] += size[i];
-  std::vector<int> next(n);
-  int roots = 0;
-  for (int i = 0; i < n; ++i) {
-    const int p = model_.link(i).parent;
-    int& begin = p == ground ? roots : next[p];
-    first[i] = begin, begin += size[i], next[i] = first[i] + 1;
-  }
-  bodies_.resize(n);
-  for (int i = 0; i < n; ++i) bodies_[first[i]] = i;
-  int place = 0;
-  std::vector<int> before(n + 1, 0);
-  for (int b = 0; b < n; ++b) {
-    const Link& link = model_.link(bodies_[b]);
-    for (int k = link.v; k < link.v + link.nv; ++k, ++place) {
-      place_[k] = place, coordinate_[place] = k;
-      in_order_ = in_order_ && place == k;
-    }
-    before[b + 1] = place;
-  }
-  for (int i = 0; i < n; ++i) begin_[i] = before[first[i]], end_[i] = before[first[i] + size[i]];
-}
+      met_(std::size_t(met_rows) * model.nv()) {}
 
 /// Root to leaf: what every direction does, and what each body has to sum.
 void InverseDynamicsDerivatives::outward(Evaluator<double>& evaluator, const System<double>& system,
@@ -158,7 +148,7 @@ void InverseDynamicsDerivatives::begin_columns(int body, const System<double>& s
   const int stride = model_.nv();
   for (int k = link.v; k < link.v + link.nv; ++k) {
     const Direction& d = directions_[k];
-    double* at = columns_.data() + place_[k];
+    double* at = columns_.data() + order_.place[k];
     put(times_column(carried.inertia, model_.column_kind(k), system.columns[k]), at + of_mass * stride, stride);
     put(carried.inertia * d.rate + carried.momenta(d.C.angular) * 2, at + of_velocity * stride, stride);
     Wrench<double> bracket = carried.inertia * d.acceleration + carried.momenta(d.velocity.angular) * 2;
@@ -172,28 +162,23 @@ void InverseDynamicsDerivatives::begin_columns(int body, const System<double>& s
   }
 }
 
-void InverseDynamicsDerivatives::meet(int k, ColumnKind kind, int end) {
-  const int n = model_.nv(), first = place_[k], count = end - first;
+void InverseDynamicsDerivatives::meet(int k, ColumnKind kind, const Vec3<double>& arm, int end) {
+  const int n = model_.nv(), first = order_.place[k], count = end - first;
   const auto met = [&](Met row) { return met_.data() + row * n; };
-  double *mass_in = met(mass_row), *position_in = met(position_inward), *velocity_in = met(velocity_inward),
-         *position_out = met(position_outward), *velocity_out = met(velocity_outward);
+  Meetings to{met(position_inward), met(velocity_inward), met(position_outward), met(velocity_outward)};
   const std::size_t column = std::size_t(k) * n;
-  if (in_order_) {
-    const std::size_t at = column + k;
-    mass_in = mass.data() + at, position_in = position.data() + at, velocity_in = velocity.data() + at;
-  }
-  static constexpr auto by_kind =
-      std::array{project<ColumnKind::rotation>, project<ColumnKind::translation>, project<ColumnKind::screw>};
-  by_kind[static_cast<int>(kind)](directions_[k], columns_.data() + first, n, count, loaded_, mass_in, position_in,
-                                  velocity_in, position_out, velocity_out);
+  if (order_.same) to.position = &position[column + k], to.velocity = &velocity[column + k];
+  static constexpr auto by_kind = std::array{meet_columns<ColumnKind::rotation>, meet_columns<ColumnKind::translation>,
+                                             meet_columns<ColumnKind::screw>};
+  by_kind[static_cast<int>(kind)](directions_[k], arm, count, columns().from(first), loaded_, to);
   for (int c = 1; c < count; ++c) {
-    const std::size_t at = std::size_t(coordinate_[first + c]) * n + k;
-    position[at] = position_out[c], velocity[at] = velocity_out[c];
+    const std::size_t at = std::size_t(order_.coordinate[first + c]) * n + k;
+    position[at] = to.position_out[c], velocity[at] = to.velocity_out[c];
   }
-  if (in_order_) return;
+  if (order_.same) return;
   for (int c = 0; c < count; ++c) {
-    const std::size_t at = column + coordinate_[first + c];
-    mass[at] = mass_in[c], position[at] = position_in[c], velocity[at] = velocity_in[c];
+    const std::size_t at = column + order_.coordinate[first + c];
+    position[at] = to.position[c], velocity[at] = to.velocity[c];
   }
 }
 
@@ -201,29 +186,13 @@ void InverseDynamicsDerivatives::meet(int k, ColumnKind kind, int end) {
 void InverseDynamicsDerivatives::turn_wrench(int k, const Wrench<double>& wrench) {
   const Wrench<double> f = cross(directions_[k].C, wrench);
   const int n = model_.nv();
-  double* at = columns_.data() + of_position * n + place_[k];
+  double* at = columns_.data() + of_position * n + order_.place[k];
   at[0] += f.moment.x, at[n] += f.moment.y, at[2 * n] += f.moment.z;
   at[3 * n] += f.force.x, at[4 * n] += f.force.y, at[5 * n] += f.force.z;
 }
 
-/// To the parent's reference point: B_ipᵀ of all columns.
-void InverseDynamicsDerivatives::move(int first, int end, const Vec3<double>& r) {
-  const int n = model_.nv();
-  for (const int row : {of_mass, of_velocity, of_position}) {
-    double* __restrict f = columns_.data() + row * n;
-    for (int c = first; c < end; ++c) {
-      const double x = f[3 * n + c], y = f[4 * n + c], z = f[5 * n + c];
-      f[c] += r.y * z - r.z * y;
-      f[n + c] += r.z * x - r.x * z;
-      f[2 * n + c] += r.x * y - r.y * x;
-    }
-  }
-}
-
 void InverseDynamicsDerivatives::add_passive(const State<double>& state) {
   const std::size_t n = model_.nv();
-  if (model_.has_armature())
-    for (std::size_t k = 0; k < n; ++k) mass[k * n + k] += model_.armature()[k];
   for (const PassiveCoordinate& passive : model_.passive()) {
     const Link& link = model_.link(passive.body);
     if (link.drive >= 0) continue;
@@ -239,19 +208,21 @@ void InverseDynamicsDerivatives::add_passive(const State<double>& state) {
 void InverseDynamicsDerivatives::evaluate(Evaluator<double>& evaluator, const System<double>& system,
                                           const State<double>& state, const Loads<double>& loads,
                                           const Solution<double>& solution) {
-  for (std::vector<double>* matrix : {&mass, &position, &velocity}) std::fill(matrix->begin(), matrix->end(), 0.0);
+  for (std::vector<double>* matrix : {&position, &velocity}) std::fill(matrix->begin(), matrix->end(), 0.0);
   outward(evaluator, system, state, solution);
   sum_loads(loads);
   for (int b = model_.bodies() - 1; b >= 0; --b) {
-    const int i = bodies_[b];
+    const int i = order_.bodies[b];
     const Link& link = model_.link(i);
     begin_columns(i, system, solution.wrench[i]);
-    for (int k = link.v; k < link.v + link.nv; ++k) meet(k, model_.column_kind(k), end_[i]);
-    if (link.parent == ground) continue;
-    if (moves_as_one(link))  // for those further inward
-      for (int k = link.v; k < link.v + link.nv; ++k) turn_wrench(k, solution.wrench[i]);
     const Vec3<double>& r = system.bodies[i].r;
-    move(begin_[i], end_[i], r);
+    const bool one = moves_as_one(link);
+    for (int k = link.v + link.nv - 1; k >= link.v; --k)
+      meet(k, model_.column_kind(k), !one && k == link.v ? r : nowhere, order_.end[i]);
+    if (link.parent == ground) continue;
+    if (one)  // for those further inward
+      for (int k = link.v; k < link.v + link.nv; ++k) turn_wrench(k, solution.wrench[i]);
+    if (one || link.nv == 0) move_columns(r, order_.end[i] - order_.begin[i], columns().from(order_.begin[i]));
     Carried &from = carried_[i], &to = carried_[link.parent];
     to.inertia += moved_inward(r, from.inertia);
     to.momenta += moved_inward(r, from.momenta);

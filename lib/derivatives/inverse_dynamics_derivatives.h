@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "lib/derivatives/coordinate_order.h"
+#include "lib/derivatives/six_rows.h"
 #include "lib/derivatives/turned_vectors.h"
 #include "lib/system/evaluator.h"
 
@@ -13,7 +15,7 @@ namespace lanc {
 /// a column moves with the freedoms before it in the joint, as if these were joints of their own.
 inline bool moves_as_one(const Link& link) { return link.kind.traits().quaternion >= 0; }
 
-/// ∂r/∂q, ∂r/∂η and M̄ = ∂r/∂η̇ of r = Cᵀ f̂ + A η̇ − τ at constant η̇, η or q, all else of the state kept. Carpentier &
+/// ∂r/∂q and ∂r/∂η of r = Cᵀ f̂ + A η̇ − τ at constant η̇. Carpentier &
 /// Mansard 2018, in the form of Singh, Russell & Wensing 2022; here in world axes, each body about its own reference
 /// point. A q-derivative is one along q̇ = H(q) e_k (eq. 1): column k belongs to velocity coordinate k.
 ///
@@ -36,7 +38,7 @@ inline bool moves_as_one(const Link& link) { return link.kind.traits().quaternio
 /// Allocates in the constructor only. Tested by tests/derivatives/.
 class InverseDynamicsDerivatives {
  public:
-  explicit InverseDynamicsDerivatives(const Model& model);
+  InverseDynamicsDerivatives(const Model& model, const CoordinateOrder& order);
 
   /// What the directions of a velocity coordinate do to the body of its joint and all it carries.
   struct Direction {
@@ -44,11 +46,11 @@ class InverseDynamicsDerivatives {
   };
 
   /// At the evaluator's last state. `accelerations`, `wrenches`: â and f̂ of an answer with that η̇. Matrices nv × nv,
-  /// column after column; of M̄ the lower triangle only.
+  /// column after column; of M̄ the lower triangle only, its columns `mass_stride` apart.
   void evaluate(Evaluator<double>& evaluator, const System<double>& system, const State<double>& state,
                 const Loads<double>& loads, const Solution<double>& solution);
 
-  std::vector<double> mass, position, velocity;
+  std::vector<double> position, velocity;
   const Direction& direction(int k) const { return directions_[k]; }
 
  private:
@@ -56,21 +58,17 @@ class InverseDynamicsDerivatives {
     RigidInertia<double> inertia;
     TurnedVectors momenta, loads;
   };
-  void number_coordinates();
   void outward(Evaluator<double>& evaluator, const System<double>& system, const State<double>& state,
                const Solution<double>& solution);
   void sum_loads(const Loads<double>& loads);
   void begin_columns(int body, const System<double>& system, const Wrench<double>& wrench);
-  void meet(int k, ColumnKind kind, int end);
+  void meet(int k, ColumnKind kind, const Vec3<double>& arm, int end);
   void turn_wrench(int k, const Wrench<double>& wrench);
-  void move(int first, int end, const Vec3<double>& r);
+  SixRows columns() { return {columns_.data(), model_.nv()}; }
   void add_passive(const State<double>& state);
 
-  /// Coordinates in depth-first order, so that those a joint carries follow it without a gap.
   Model model_;
-  bool in_order_ = true;  // the model's own order is such a one
-  std::vector<int> bodies_, place_, coordinate_;
-  std::vector<int> begin_, end_;  // per body: places of the coordinates it and what it carries have
+  const CoordinateOrder& order_;
   bool loaded_ = false;
   std::vector<Direction> directions_;
   std::vector<Motion<double>> spatial_acceleration_;
