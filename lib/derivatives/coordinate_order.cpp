@@ -31,6 +31,7 @@ CoordinateOrder::CoordinateOrder(const Model& model)
   }
   for (int i = 0; i < n; ++i) {
     begin[i] = before[first[i]], end[i] = before[first[i] + size[i]];
+    chain = chain && (model.link(i).nv == 0 || end[i] == model.nv());
     tree_end[i] = model.link(i).parent == ground ? end[i] : tree_end[model.link(i).parent];
   }
 }

@@ -13,6 +13,7 @@ struct CoordinateOrder {
   explicit CoordinateOrder(const Model& model);
 
   bool same = true;             // as the model's own order
+  bool chain = true;            // every coordinate is on the path of all that follow: no entry of M̄ is zero
   std::vector<int> bodies;      // depth-first
   std::vector<int> place;       // per coordinate
   std::vector<int> coordinate;  // per place

@@ -1,9 +1,13 @@
 #include "lib/derivatives/forward_derivatives.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "lib/closure/scaling.h"
 #include "lib/derivatives/closure_outcome.h"
 #include "lib/derivatives/inverse_dynamics_derivatives.h"
 #include "lib/derivatives/mass_inverse.h"
@@ -15,6 +19,10 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 using View = Eigen::Map<Matrix>;
+
+constexpr double rounding = std::numeric_limits<double>::epsilon();
+/// Of what Formulation::solve() promises for η̇.
+constexpr double largest_error = 1e-8;
 
 bool finite(const std::vector<double>& values) {
   return std::isfinite(
@@ -28,7 +36,12 @@ bool finite(const std::vector<double>& values) {
 class AnalyticDerivatives::Loops {
  public:
   explicit Loops(const Model& model)
-      : model_(model), rank_(model), jacobian_(model), lambda_(model.closures().rows()), force_(model.nv()) {
+      : model_(model),
+        rank_(model),
+        jacobian_(model),
+        scale_(ClosureScaling(model).column),
+        lambda_(model.closures().rows()),
+        force_(model.nv()) {
     const std::size_t n = model.nv(), rows = model.closures().rows();
     for (std::vector<double>* m : {&position_, &velocity_, &G_, &Z_, &T_}) m->resize(rows * n);
     S_.resize(rows * rows);
@@ -58,6 +71,16 @@ class AnalyticDerivatives::Loops {
     if (factor.info() != Eigen::Success) return false;
     S.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(Z);
     return true;
+  }
+
+  /// The largest inverse mass on the diagonal, velocities scaled by the model's length.
+  double largest(const std::vector<double>& inverse) const {
+    double result = 0;
+    for (std::size_t k = 0; k < scale_.size(); ++k) {
+      const double scaled = inverse[k * scale_.size() + k] / (scale_[k] * scale_[k]);
+      if (!(scaled <= result)) result = scaled;
+    }
+    return result;
   }
 
   /// Adds the reactions of the independent rows that do what all of the answer do: λ = L⁻ᵀ Zᵀ Gᵀλ.
@@ -119,7 +142,7 @@ class AnalyticDerivatives::Loops {
   Model model_;
   ClosureRank<double> rank_;
   ClosureJacobian<double> jacobian_;
-  std::vector<double> lambda_, force_, position_, velocity_, G_, Z_, S_, T_;
+  std::vector<double> scale_, lambda_, force_, position_, velocity_, G_, Z_, S_, T_;
 };
 
 AnalyticDerivatives::AnalyticDerivatives(const Model& model)
@@ -159,6 +182,7 @@ Outcome AnalyticDerivatives::at(Evaluator<double>& evaluator, const System<doubl
     return outcome;
   }
   if (loops_) loops_->add_reactions(evaluator, system, state.t, solution, result_.independent, *pairs_, d);
+  const double before = loops_ ? loops_->largest(result_.force) : 0;
   const View inverse(result_.force.data(), n, n);
   View(result_.position.data(), n, n).noalias() = -inverse * View(d.position.data(), n, n);
   View(result_.velocity.data(), n, n).noalias() = -inverse * View(d.velocity.data(), n, n);
@@ -166,9 +190,18 @@ Outcome AnalyticDerivatives::at(Evaluator<double>& evaluator, const System<doubl
     loops_->constrain_position(d, result_);
     loops_->constrain_velocity(d, result_);
     loops_->constrain_force(result_);
+    if (outcome.rank < n) outcome.forward_error = rounding * before / loops_->largest(result_.force);
   }
-  if (!finite(result_.position) || !finite(result_.velocity) || !finite(result_.force))
-    outcome.status = Status::not_finite, outcome.message = "a force or a closure condition has no derivative here";
+  if (!finite(result_.position) || !finite(result_.velocity) || !finite(result_.force)) {
+    outcome.status = Status::not_finite;
+    outcome.message = "a force or a closure condition has no derivative here";
+  } else if (outcome.forward_error > largest_error) {
+    outcome.status = Status::objection;
+    outcome.message = fmt::format(
+        "the loops hold what the mass matrix of the tree hardly does: of derivatives made by its inverse, errors of "
+        "{:.0e} would be left",
+        outcome.forward_error);
+  }
   return outcome;
 }
 

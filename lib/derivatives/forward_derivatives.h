@@ -42,10 +42,12 @@ class AnalyticDerivatives {
 
   /// At the evaluator's last state: `system` is what it returned for state and loads, `solution` the answer of any
   /// formulation there (η̇, â, f̂, λ). Status, beside `solved` and `redundant`:
-  ///   singular      M̄ of the tree is not positive definite; or the rank of the closure conditions changes here, so
-  ///                 that η̇ has no derivative
+  ///   objection     M̄ of the tree that is left without its loops is singular, or nearly so compared with the whole:
+  ///                 the derivatives are made by its inverse. DualDerivatives does without
+  ///   singular      the rank of the closure conditions changes here, so that η̇ has no derivative
   ///   inconsistent  the state violates the closure conditions, unless the rank is given
   ///   not_finite    some derivative is not: two ends of a spring meet, say
+  /// forward_error, where loops are closed: what rounding of M̄⁻¹ leaves in ∂η̇/∂τ, relative.
   Outcome at(Evaluator<double>& evaluator, const System<double>& system, const State<double>& state,
              const Loads<double>& loads, const Solution<double>& solution, RankPolicy policy = {});
 

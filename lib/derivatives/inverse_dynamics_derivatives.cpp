@@ -15,11 +15,11 @@ enum Row { of_mass = 0, of_velocity = 6, of_position = 12, of_coriolis = 18, of_
 /// Rows of `met_`.
 enum Met { position_inward, velocity_inward, position_outward, velocity_outward, met_rows };
 
-Motion<double> cross(const Motion<double>& a, const Motion<double>& b) {
+[[gnu::always_inline]] inline Motion<double> cross(const Motion<double>& a, const Motion<double>& b) {
   return {cross(a.angular, b.angular), cross(a.angular, b.linear) + cross(a.linear, b.angular)};
 }
 /// C ×* f̂.
-Wrench<double> cross(const Motion<double>& a, const Wrench<double>& f) {
+[[gnu::always_inline]] inline Wrench<double> cross(const Motion<double>& a, const Wrench<double>& f) {
   return {cross(a.angular, f.moment) + cross(a.linear, f.force), cross(a.angular, f.force)};
 }
 
@@ -208,7 +208,8 @@ void InverseDynamicsDerivatives::add_passive(const State<double>& state) {
 void InverseDynamicsDerivatives::evaluate(Evaluator<double>& evaluator, const System<double>& system,
                                           const State<double>& state, const Loads<double>& loads,
                                           const Solution<double>& solution) {
-  for (std::vector<double>* matrix : {&position, &velocity}) std::fill(matrix->begin(), matrix->end(), 0.0);
+  if (!order_.chain)
+    for (std::vector<double>* matrix : {&position, &velocity}) std::fill(matrix->begin(), matrix->end(), 0.0);
   outward(evaluator, system, state, solution);
   sum_loads(loads);
   for (int b = model_.bodies() - 1; b >= 0; --b) {

@@ -144,7 +144,7 @@ void MassInverse::outward(const System<double>& system, std::vector<double>& inv
 }
 
 void MassInverse::evaluate(const System<double>& system, std::vector<double>& inverse) {
-  std::fill(inverse.begin(), inverse.end(), 0.0);
+  if (!order_.chain) std::fill(inverse.begin(), inverse.end(), 0.0);
   if (!order_.same) std::fill(response_.begin(), response_.end(), 0.0);
   rows_ = order_.same ? inverse.data() : response_.data();
   inward(system);

@@ -7,9 +7,11 @@
 #include <new>
 #include <string>
 
+#include "lib/derivatives/forward_derivatives.h"
 #include "lib/formulation/formulation.h"
 #include "lib/system/equations.h"
 #include "lib/system/evaluator.h"
+#include "tests/support/loop_cases.h"
 #include "tests/support/zoo.h"
 
 namespace {
@@ -72,6 +74,21 @@ TEST(Allocation, the_evaluator_allocates_nothing_after_binding) {
     evaluator.positions();
     evaluator.twists();
     EXPECT_EQ(allocations - before, 0) << c.name;
+  }
+}
+
+TEST(Allocation, analytic_derivatives_allocate_nothing_after_binding) {
+  std::vector<Case> cases = small_zoo();
+  for (const Case& c : closed_loops()) cases.push_back(c);
+  for (const Case& c : cases) {
+    Evaluator<double> evaluator(c.model);
+    const System<double>& system = evaluator.system(c.state, c.loads);
+    Solution<double> solution(c.model);
+    if (!find_formulation("recursive")->create_double(c.model)->solve(system, solution).usable()) continue;
+    AnalyticDerivatives derivatives(c.model);
+    const long before = allocations;
+    const Outcome outcome = derivatives.at(evaluator, system, c.state, c.loads, solution);
+    if (outcome.usable()) EXPECT_EQ(allocations - before, 0) << c.name;
   }
 }
 
