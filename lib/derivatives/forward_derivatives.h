@@ -33,7 +33,7 @@ struct ForwardDerivatives {
 
 /// By the analytic recursion of inverse_dynamics_derivatives.h: ∂η̇ = −M̄⁻¹ ∂r, r = M̄ η̇ − b − Gᵀλ. On a tree
 /// O(nv · depth) and two products of nv × nv matrices. Bound to a model; allocates here and never again, apart from
-/// Eigen's scratch for large products (lib/solve/dense_inverse.h).
+/// Eigen's scratch for products above 128 KiB and, with closures, the decision on their rank.
 /// Tested by tests/derivatives/forward_derivatives_test.cpp.
 class AnalyticDerivatives {
  public:

@@ -87,8 +87,6 @@ void move_columns(const Vec3<double>& arm, int count, const SixRows& columns) {
   });
 }
 
-constexpr Vec3<double> nowhere{0, 0, 0};
-
 }  // namespace
 
 InverseDynamicsDerivatives::InverseDynamicsDerivatives(const Model& model, const CoordinateOrder& order)

@@ -57,8 +57,6 @@ void move_outward(const Vec3<double>& arm, int count, const SixRows& from, const
   });
 }
 
-constexpr Vec3<double> nowhere{0, 0, 0};
-
 }  // namespace
 
 MassInverse::MassInverse(const Model& model, const CoordinateOrder& order)

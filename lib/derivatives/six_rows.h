@@ -7,6 +7,9 @@
 
 namespace lanc {
 
+/// The arm of columns that stay where they are.
+inline constexpr Vec3<double> nowhere{0, 0, 0};
+
 /// Rows of moments or angular parts, then of forces or linear parts; `stride` from row to row.
 struct SixRows {
   double* first;
