@@ -61,7 +61,8 @@ Outcome DualDerivatives::at(const System<double>& system, const State<double>& s
 
   const auto block = [&](Eigen::Index row, Eigen::Index height, Eigen::Index column, std::vector<double>& result) {
     result.resize(static_cast<std::size_t>(height) * n);
-    Eigen::Map<Matrix>(result.data(), height, n) = answer.block(row, column, height, n);
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(result.data(), height, n) =
+        answer.block(row, column, height, n);
   };
   block(0, n, 0, result_.position), block(n, r, 0, result_.multiplier_position);
   block(0, n, n, result_.velocity), block(n, r, n, result_.multiplier_velocity);

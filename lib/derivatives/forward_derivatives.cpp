@@ -19,6 +19,7 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 using View = Eigen::Map<Matrix>;
+using Rows = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 /// Of what Formulation::solve() promises for η̇.
@@ -32,7 +33,8 @@ bool finite(const std::vector<double>& values) {
 }  // namespace
 
 /// Rows of G and their projections, where loops are closed: with L Lᵀ = G M̄⁻¹ Gᵀ and Z = M̄⁻¹ Gᵀ L⁻ᵀ,
-///   T = Zᵀ ∂r − L⁻¹ ∂(G η̇ + γ̿),   ∂η̇ = −M̄⁻¹ ∂r + Z T,   ∂λ = L⁻ᵀ T.
+///   T = −L⁻¹ (∂(G η̇ + γ̿) − G M̄⁻¹ ∂r),   ∂η̇ = −M̄⁻¹ ∂r + Z T,   ∂λ = L⁻ᵀ T,
+/// ∂(G η̇ + γ̿) and ∂r at constant η̇ and λ.
 class AnalyticDerivatives::Loops {
  public:
   explicit Loops(const Model& model)
@@ -105,36 +107,37 @@ class AnalyticDerivatives::Loops {
     pairs.add_closures(evaluator, system, t, solution, lambda_, dynamics, position_, velocity_);
   }
 
-  /// ∂η̇ holds −M̄⁻¹ ∂r. closure: ∂(G η̇ + γ̿), all rows.
-  void constrain(const std::vector<double>& residual, const std::vector<double>& closure,
-                 const std::vector<int>& independent, std::vector<double>& vdot, std::vector<double>& multiplier) {
-    const int n = model_.nv(), r = static_cast<int>(independent.size()), rows = static_cast<int>(lambda_.size());
-    View T(T_.data(), r, n);
-    for (int c = 0; c < n; ++c)
-      for (int k = 0; k < r; ++k) T(k, c) = -closure[std::size_t(c) * rows + independent[k]];
-    const View Z(Z_.data(), n, r), S(S_.data(), r, r);
-    S.triangularView<Eigen::Lower>().solveInPlace(T);
-    T.noalias() += Z.transpose() * View(const_cast<double*>(residual.data()), n, n);
-    finish(T, vdot, multiplier);
+  /// ∂η̇ holds −M̄⁻¹ ∂r.
+  void constrain_position(ForwardDerivatives& result) {
+    constrain(position_, result.independent, result.position, result.multiplier_position);
   }
-  void constrain_position(const InverseDynamicsDerivatives& d, ForwardDerivatives& result) {
-    constrain(d.position, position_, result.independent, result.position, result.multiplier_position);
+  void constrain_velocity(ForwardDerivatives& result) {
+    constrain(velocity_, result.independent, result.velocity, result.multiplier_velocity);
   }
-  void constrain_velocity(const InverseDynamicsDerivatives& d, ForwardDerivatives& result) {
-    constrain(d.velocity, velocity_, result.independent, result.velocity, result.multiplier_velocity);
-  }
-  /// ∂r = −1 for forces.
+  /// ∂η̇ holds M̄⁻¹.
   void constrain_force(ForwardDerivatives& result) {
     const int n = model_.nv(), r = static_cast<int>(result.independent.size());
-    View T(T_.data(), r, n);
+    Rows T(T_.data(), r, n);
     T = -View(Z_.data(), n, r).transpose();
     finish(T, result.force, result.multiplier_force);
   }
 
  private:
-  void finish(View& T, std::vector<double>& vdot, std::vector<double>& multiplier) {
+  /// closure: ∂(G η̇ + γ̿), all rows, column after column.
+  void constrain(const std::vector<double>& closure, const std::vector<int>& independent, std::vector<double>& vdot,
+                 std::vector<double>& multiplier) {
+    const int n = model_.nv(), r = static_cast<int>(independent.size()), rows = static_cast<int>(lambda_.size());
+    Rows T(T_.data(), r, n);
+    for (int k = 0; k < r; ++k)
+      for (int c = 0; c < n; ++c) T(k, c) = -closure[std::size_t(c) * rows + independent[k]];
+    T.noalias() -= View(G_.data(), r, n) * Rows(vdot.data(), n, n);
+    View(S_.data(), r, r).triangularView<Eigen::Lower>().solveInPlace(T);
+    finish(T, vdot, multiplier);
+  }
+
+  void finish(Rows& T, std::vector<double>& vdot, std::vector<double>& multiplier) {
     const auto n = T.cols(), r = T.rows();
-    View(vdot.data(), n, n).noalias() += View(Z_.data(), n, r) * T;
+    Rows(vdot.data(), n, n).noalias() += View(Z_.data(), n, r) * T;
     View(S_.data(), r, r).triangularView<Eigen::Lower>().transpose().solveInPlace(T);
     multiplier.assign(T.data(), T.data() + T.size());
   }
@@ -183,12 +186,12 @@ Outcome AnalyticDerivatives::at(Evaluator<double>& evaluator, const System<doubl
   }
   if (loops_) loops_->add_reactions(evaluator, system, state.t, solution, result_.independent, *pairs_, d);
   const double before = loops_ ? loops_->largest(result_.force) : 0;
-  const View inverse(result_.force.data(), n, n);
-  View(result_.position.data(), n, n).noalias() = -inverse * View(d.position.data(), n, n);
-  View(result_.velocity.data(), n, n).noalias() = -inverse * View(d.velocity.data(), n, n);
+  const Rows inverse(result_.force.data(), n, n);
+  Rows(result_.position.data(), n, n).noalias() = -inverse * Rows(d.position.data(), n, n);
+  Rows(result_.velocity.data(), n, n).noalias() = -inverse * Rows(d.velocity.data(), n, n);
   if (loops_) {
-    loops_->constrain_position(d, result_);
-    loops_->constrain_velocity(d, result_);
+    loops_->constrain_position(result_);
+    loops_->constrain_velocity(result_);
     loops_->constrain_force(result_);
     if (outcome.rank < n) outcome.forward_error = rounding * before / loops_->largest(result_.force);
   }

@@ -34,7 +34,7 @@ using Direction = InverseDynamicsDerivatives::Direction;
 /// Where a coordinate's meetings are written, one number a column.
 struct Meetings {
   double *position, *velocity;          // of what is carried, in the coordinate's column
-  double *position_out, *velocity_out;  // of the coordinate, in the columns of what is carried
+  double *position_out, *velocity_out;  // of the coordinate, in its row
 };
 
 /// Cᵀ f; what the kind knows to be zero is left out.
@@ -164,19 +164,19 @@ void InverseDynamicsDerivatives::meet(int k, ColumnKind kind, const Vec3<double>
   const int n = model_.nv(), first = order_.place[k], count = end - first;
   const auto met = [&](Met row) { return met_.data() + row * n; };
   Meetings to{met(position_inward), met(velocity_inward), met(position_outward), met(velocity_outward)};
-  const std::size_t column = std::size_t(k) * n;
-  if (order_.same) to.position = &position[column + k], to.velocity = &velocity[column + k];
+  const std::size_t row = std::size_t(k) * n;
+  if (order_.same) to.position_out = &position[row + k], to.velocity_out = &velocity[row + k];
   static constexpr auto by_kind = std::array{meet_columns<ColumnKind::rotation>, meet_columns<ColumnKind::translation>,
                                              meet_columns<ColumnKind::screw>};
   by_kind[static_cast<int>(kind)](directions_[k], arm, count, columns().from(first), loaded_, to);
   for (int c = 1; c < count; ++c) {
     const std::size_t at = std::size_t(order_.coordinate[first + c]) * n + k;
-    position[at] = to.position_out[c], velocity[at] = to.velocity_out[c];
+    position[at] = to.position[c], velocity[at] = to.velocity[c];
   }
   if (order_.same) return;
   for (int c = 0; c < count; ++c) {
-    const std::size_t at = column + order_.coordinate[first + c];
-    position[at] = to.position[c], velocity[at] = to.velocity[c];
+    const std::size_t at = row + order_.coordinate[first + c];
+    position[at] = to.position_out[c], velocity[at] = to.velocity_out[c];
   }
 }
 

@@ -46,7 +46,7 @@ class InverseDynamicsDerivatives {
   };
 
   /// At the evaluator's last state. `accelerations`, `wrenches`: â and f̂ of an answer with that η̇. Matrices nv × nv,
-  /// column after column; of M̄ the lower triangle only, its columns `mass_stride` apart.
+  /// row after row.
   void evaluate(Evaluator<double>& evaluator, const System<double>& system, const State<double>& state,
                 const Loads<double>& loads, const Solution<double>& solution);
 

@@ -77,7 +77,7 @@ MassInverse::MassInverse(const Model& model, const CoordinateOrder& order)
     slot_[i] = p == ground ? 0 : slot_[p] + (last[p] == i ? 0 : 1);
     slots = std::max(slots, slot_[i] + 1);
   }
-  acceleration_.resize(std::size_t(6) * model.nv() * slots);
+  slots_.resize(std::size_t(6) * model.nv() * slots);
 }
 
 void MassInverse::inward(const System<double>& system) {
@@ -115,9 +115,7 @@ void MassInverse::inward(const System<double>& system) {
 
 void MassInverse::outward(const System<double>& system, std::vector<double>& inverse) {
   const int n = model_.nv();
-  const auto accelerations = [&](int body) {
-    return SixRows{acceleration_.data() + std::size_t(6) * n * slot_[body], n};
-  };
+  const auto accelerations = [&](int body) { return SixRows{slots_.data() + std::size_t(6) * n * slot_[body], n}; };
   for (const int i : order_.bodies) {
     const Link& link = model_.link(i);
     const int first = order_.begin[i], end = order_.tree_end[i];

@@ -150,7 +150,7 @@ void PairDerivatives::add_wrenches(const Pair& pair, const Sensitivity& sensitiv
   for (int l = pair.begin; l < pair.end; ++l)
     for (int k = pair.begin; k < pair.end; ++k) {
       const Step &in = steps_[l], &out = steps_[k];
-      const std::size_t at = in.k * n + out.k;
+      const std::size_t at = out.k * n + in.k;
       Wrench<double> change = out.side == on_a ? in.wrench.a : in.wrench.b;
       const bool one_joint = in.as_one && model_.body_of_velocity(in.k) == model_.body_of_velocity(out.k);
       if (in.side == out.side && l < k && !one_joint) {

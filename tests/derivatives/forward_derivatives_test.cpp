@@ -25,7 +25,8 @@ using Vector = Eigen::VectorXd;
 /// What issue "Speed" demands of two ways to the same derivatives.
 constexpr double agreement = 1e-10;
 
-Eigen::Map<const Matrix> view(const std::vector<double>& m, Eigen::Index columns) {
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+Eigen::Map<const Rows> view(const std::vector<double>& m, Eigen::Index columns) {
   return {m.data(), columns == 0 ? 0 : static_cast<Eigen::Index>(m.size()) / columns, columns};
 }
 double largest(const std::vector<double>& m) { return m.empty() ? 0 : view(m, 1).cwiseAbs().maxCoeff(); }
