@@ -47,11 +47,11 @@ template <ColumnKind kind>
 
 /// The joint of a coordinate meets `count` columns of what it carries; these then go on by `arm`.
 template <ColumnKind kind>
-void meet_columns(const Direction& direction, const Vec3<double>& arm, int count, const SixRows& columns, bool loaded,
-                  const Meetings& to) {
+void meet_columns(const Direction& direction, const Vec3<double>& arm, int first, int end, const SixRows& columns,
+                  bool loaded, const Meetings& to) {
   const Direction d = direction;
   const Vec3<double> r = arm;
-  for_columns(count, [&](int c, auto lanes) {
+  for_columns(first, end, [&](int c, auto lanes) {
     const auto group = [&](Row row) { return SixRows{columns.row(row), columns.stride}; };
     const auto couple = [&](Row row, const Vec3<double>& s) {
       const auto at = [&](int i) { return lanes.load(columns.row(row + i) + c); };
@@ -75,9 +75,9 @@ void meet_columns(const Direction& direction, const Vec3<double>& arm, int count
   });
 }
 
-void move_columns(const Vec3<double>& arm, int count, const SixRows& columns) {
+void move_columns(const Vec3<double>& arm, int first, int end, const SixRows& columns) {
   const Vec3<double> r = arm;
-  for_columns(count, [&](int c, auto lanes) {
+  for_columns(first, end, [&](int c, auto lanes) {
     for (const Row row : {of_mass, of_velocity, of_position}) {
       const SixRows group{columns.row(row), columns.stride};
       SixLanes f(group, c, lanes);
@@ -97,8 +97,8 @@ InverseDynamicsDerivatives::InverseDynamicsDerivatives(const Model& model, const
       directions_(model.nv()),
       spatial_acceleration_(model.bodies()),
       carried_(model.bodies()),
-      columns_(std::size_t(rows) * model.nv()),
-      met_(std::size_t(met_rows) * model.nv()) {}
+      columns_(std::size_t(rows) * padded(model.nv())),
+      met_(std::size_t(met_rows) * padded(model.nv())) {}
 
 /// Root to leaf: what every direction does, and what each body has to sum.
 void InverseDynamicsDerivatives::outward(Evaluator<double>& evaluator, const System<double>& system,
@@ -143,7 +143,7 @@ void InverseDynamicsDerivatives::sum_loads(const Loads<double>& loads) {
 void InverseDynamicsDerivatives::begin_columns(int body, const System<double>& system, const Wrench<double>& wrench) {
   const Link& link = model_.link(body);
   const Carried& carried = carried_[body];
-  const int stride = model_.nv();
+  const int stride = padded(model_.nv());
   for (int k = link.v; k < link.v + link.nv; ++k) {
     const Direction& d = directions_[k];
     double* at = columns_.data() + order_.place[k];
@@ -161,21 +161,21 @@ void InverseDynamicsDerivatives::begin_columns(int body, const System<double>& s
 }
 
 void InverseDynamicsDerivatives::meet(int k, ColumnKind kind, const Vec3<double>& arm, int end) {
-  const int n = model_.nv(), first = order_.place[k], count = end - first;
-  const auto met = [&](Met row) { return met_.data() + row * n; };
+  const int n = model_.nv(), first = order_.place[k];
+  const auto met = [&](Met row) { return met_.data() + row * padded(n); };
   Meetings to{met(position_inward), met(velocity_inward), met(position_outward), met(velocity_outward)};
   const std::size_t row = std::size_t(k) * n;
-  if (order_.same) to.position_out = &position[row + k], to.velocity_out = &velocity[row + k];
+  if (order_.same) to.position_out = &position[row], to.velocity_out = &velocity[row];
   static constexpr auto by_kind = std::array{meet_columns<ColumnKind::rotation>, meet_columns<ColumnKind::translation>,
                                              meet_columns<ColumnKind::screw>};
-  by_kind[static_cast<int>(kind)](directions_[k], arm, count, columns().from(first), loaded_, to);
-  for (int c = 1; c < count; ++c) {
-    const std::size_t at = std::size_t(order_.coordinate[first + c]) * n + k;
+  by_kind[static_cast<int>(kind)](directions_[k], arm, first, end, columns(), loaded_, to);
+  for (int c = first + 1; c < end; ++c) {
+    const std::size_t at = std::size_t(order_.coordinate[c]) * n + k;
     position[at] = to.position[c], velocity[at] = to.velocity[c];
   }
   if (order_.same) return;
-  for (int c = 0; c < count; ++c) {
-    const std::size_t at = row + order_.coordinate[first + c];
+  for (int c = first; c < end; ++c) {
+    const std::size_t at = row + order_.coordinate[c];
     position[at] = to.position_out[c], velocity[at] = to.velocity_out[c];
   }
 }
@@ -183,7 +183,7 @@ void InverseDynamicsDerivatives::meet(int k, ColumnKind kind, const Vec3<double>
 /// + C_k ×* f̂ of a joint that moves as one: its own coordinates do not see it.
 void InverseDynamicsDerivatives::turn_wrench(int k, const Wrench<double>& wrench) {
   const Wrench<double> f = cross(directions_[k].C, wrench);
-  const int n = model_.nv();
+  const int n = padded(model_.nv());
   double* at = columns_.data() + of_position * n + order_.place[k];
   at[0] += f.moment.x, at[n] += f.moment.y, at[2 * n] += f.moment.z;
   at[3 * n] += f.force.x, at[4 * n] += f.force.y, at[5 * n] += f.force.z;
@@ -221,7 +221,7 @@ void InverseDynamicsDerivatives::evaluate(Evaluator<double>& evaluator, const Sy
     if (link.parent == ground) continue;
     if (one)  // for those further inward
       for (int k = link.v; k < link.v + link.nv; ++k) turn_wrench(k, solution.wrench[i]);
-    if (one || link.nv == 0) move_columns(r, order_.end[i] - order_.begin[i], columns().from(order_.begin[i]));
+    if (one || link.nv == 0) move_columns(r, order_.begin[i], order_.end[i], columns());
     Carried &from = carried_[i], &to = carried_[link.parent];
     to.inertia += moved_inward(r, from.inertia);
     to.momenta += moved_inward(r, from.momenta);

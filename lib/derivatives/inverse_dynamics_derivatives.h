@@ -64,7 +64,7 @@ class InverseDynamicsDerivatives {
   void begin_columns(int body, const System<double>& system, const Wrench<double>& wrench);
   void meet(int k, ColumnKind kind, const Vec3<double>& arm, int end);
   void turn_wrench(int k, const Wrench<double>& wrench);
-  SixRows columns() { return {columns_.data(), model_.nv()}; }
+  SixRows columns() { return {columns_.data(), padded(model_.nv())}; }
   void add_passive(const State<double>& state);
 
   Model model_;
@@ -73,7 +73,7 @@ class InverseDynamicsDerivatives {
   std::vector<Direction> directions_;
   std::vector<Motion<double>> spatial_acceleration_;
   std::vector<Carried> carried_;
-  std::vector<double> columns_, met_;  // what travels, and what one coordinate got: rows of nv numbers
+  AlignedRows columns_, met_;  // what travels, and what one coordinate got: rows of nv numbers
 };
 
 }  // namespace lanc

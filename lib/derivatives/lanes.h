@@ -3,7 +3,9 @@
 // Private to lib/derivatives.
 #pragma once
 
+#include <Eigen/Core>
 #include <experimental/simd>
+#include <vector>
 
 namespace lanc {
 
@@ -15,10 +17,13 @@ struct AllLanes {
   void store(double* at, const Lanes& x) const { x.copy_to(at, std::experimental::element_aligned); }
 };
 
-/// The first columns of a vector: the others are neither read nor written.
+/// Some columns of a vector, those from `first` to `end`: the others are neither read nor written.
 struct SomeLanes {
   Lanes::mask_type mask;
-  explicit SomeLanes(int count) : mask(Lanes([](int i) { return double(i); }) < double(count)) {}
+  SomeLanes(int first, int end) {
+    const Lanes column([](int i) { return double(i); });
+    mask = column >= double(first) && column < double(end);
+  }
   Lanes load(const double* at) const {
     Lanes x = 0;
     where(mask, x).copy_from(at, std::experimental::element_aligned);
@@ -27,13 +32,22 @@ struct SomeLanes {
   void store(double* at, const Lanes& x) const { where(mask, x).copy_to(at, std::experimental::element_aligned); }
 };
 
-/// body(first column, lanes) for vectors of columns up to `count`.
-template <class Body>
-[[gnu::always_inline]] inline void for_columns(int count, Body&& body) {
+/// Rows that begin at the border of a vector, `padded` apart: then vectors do not lie across lines of the cache.
+using AlignedRows = std::vector<double, Eigen::aligned_allocator<double>>;
+constexpr int padded(int columns) {
   constexpr int width = static_cast<int>(Lanes::size());
-  int i = 0;
-  for (; i + width <= count; i += width) body(i, AllLanes());
-  if (i < count) body(i, SomeLanes(count - i));
+  return (columns + width - 1) / width * width;
+}
+
+/// body(column, lanes) for whole vectors of columns, counted from column 0, that hold columns from `first` to `end`.
+template <class Body>
+[[gnu::always_inline]] inline void for_columns(int first, int end, Body&& body) {
+  constexpr int width = static_cast<int>(Lanes::size());
+  for (int i = first / width * width; i < end; i += width)
+    if (i >= first && i + width <= end)
+      body(i, AllLanes());
+    else
+      body(i, SomeLanes(first - i, end - i));
 }
 
 }  // namespace lanc

@@ -8,12 +8,12 @@ namespace lanc {
 namespace {
 
 /// A freedom of eq. 18 is released, leaf to root: response = Cᵀ f / N, f −= D Cᵀ f. Then the loads go on by `arm`.
-void release(const Motion<double>& C, const Wrench<double>& D, double inverse, const Vec3<double>& arm, int count,
-             const SixRows& loads, double* response) {
+void release(const Motion<double>& C, const Wrench<double>& D, double inverse, const Vec3<double>& arm, int first,
+             int end, const SixRows& loads, double* response) {
   const Motion<double> c = C;
   const Wrench<double> d = D;
   const Vec3<double> r = arm;
-  for_columns(count, [&](int i, auto lanes) {
+  for_columns(first, end, [&](int i, auto lanes) {
     SixLanes f(loads, i, lanes);
     const Lanes torque = f.upper(c.angular) + f.lower(c.linear);
     lanes.store(response + i, torque * inverse);
@@ -24,12 +24,12 @@ void release(const Motion<double>& C, const Wrench<double>& D, double inverse, c
 }
 
 /// And root to leaf: accelerations come by `arm`; response −= D·a is then the freedom's η̇, and a += C η̇.
-void follow(const Motion<double>& C, const Wrench<double>& D, const Vec3<double>& arm, int count, const SixRows& from,
-            const SixRows& to, double* response) {
+void follow(const Motion<double>& C, const Wrench<double>& D, const Vec3<double>& arm, int first, int end,
+            const SixRows& from, const SixRows& to, double* response) {
   const Motion<double> c = C;
   const Wrench<double> d = D;
   const Vec3<double> r = arm;
-  for_columns(count, [&](int i, auto lanes) {
+  for_columns(first, end, [&](int i, auto lanes) {
     SixLanes a(from, i, lanes);
     a.move_outward(r);
     const Lanes vdot = lanes.load(response + i) - (a.upper(d.moment) + a.lower(d.force));
@@ -39,18 +39,18 @@ void follow(const Motion<double>& C, const Wrench<double>& D, const Vec3<double>
   });
 }
 
-void move_inward(const Vec3<double>& arm, int count, const SixRows& loads) {
+void move_inward(const Vec3<double>& arm, int first, int end, const SixRows& loads) {
   const Vec3<double> r = arm;
-  for_columns(count, [&](int i, auto lanes) {
+  for_columns(first, end, [&](int i, auto lanes) {
     SixLanes f(loads, i, lanes);
     f.move_inward(r);
     f.store_upper(loads, i, lanes);
   });
 }
 
-void move_outward(const Vec3<double>& arm, int count, const SixRows& from, const SixRows& to) {
+void move_outward(const Vec3<double>& arm, int first, int end, const SixRows& from, const SixRows& to) {
   const Vec3<double> r = arm;
-  for_columns(count, [&](int i, auto lanes) {
+  for_columns(first, end, [&](int i, auto lanes) {
     SixLanes a(from, i, lanes);
     a.move_outward(r);
     a.store(to, i, lanes);
@@ -65,7 +65,7 @@ MassInverse::MassInverse(const Model& model, const CoordinateOrder& order)
       slot_(model.bodies()),
       star_(model.bodies()),
       freedoms_(model.nv()),
-      load_(std::size_t(6) * model.nv()),
+      load_(std::size_t(6) * padded(model.nv())),
       response_(order.same ? 0 : std::size_t(model.nv()) * model.nv()) {
   // The last of the siblings takes over its parent's place; those before need one more.
   int slots = 1;
@@ -77,11 +77,11 @@ MassInverse::MassInverse(const Model& model, const CoordinateOrder& order)
     slot_[i] = p == ground ? 0 : slot_[p] + (last[p] == i ? 0 : 1);
     slots = std::max(slots, slot_[i] + 1);
   }
-  slots_.resize(std::size_t(6) * model.nv() * slots);
+  slots_.resize(std::size_t(6) * padded(model.nv()) * slots);
 }
 
 void MassInverse::inward(const System<double>& system) {
-  const SixRows f{load_.data(), model_.nv()};
+  const SixRows f{load_.data(), padded(model_.nv())};
   for (int b = model_.bodies() - 1; b >= 0; --b) {
     const int i = order_.bodies[b];
     const Link& link = model_.link(i);
@@ -100,12 +100,12 @@ void MassInverse::inward(const System<double>& system) {
       subtract_outer(rest, freedom.D, U);
       const int own = order_.place[k];
       const bool last = k == link.v;
-      release(C, freedom.D, freedom.inverse, last ? r : nowhere, end - own - 1, f.from(own + 1), response(k) + own + 1);
+      release(C, freedom.D, freedom.inverse, last ? r : nowhere, own + 1, end, f, response(k));
       response(k)[own] = freedom.inverse;
       f.set(own, last ? moved_inward(r, freedom.D * -1) : freedom.D * -1);
     }
     if (link.parent == ground) continue;
-    if (link.nv == 0) move_inward(r, end - first, f.from(first));
+    if (link.nv == 0) move_inward(r, first, end, f);
     if (link.last_sibling)
       star_[link.parent] = moved_inward(r, rest);
     else
@@ -114,8 +114,10 @@ void MassInverse::inward(const System<double>& system) {
 }
 
 void MassInverse::outward(const System<double>& system, std::vector<double>& inverse) {
-  const int n = model_.nv();
-  const auto accelerations = [&](int body) { return SixRows{slots_.data() + std::size_t(6) * n * slot_[body], n}; };
+  const int n = model_.nv(), stride = padded(n);
+  const auto accelerations = [&](int body) {
+    return SixRows{slots_.data() + std::size_t(6) * stride * slot_[body], stride};
+  };
   for (const int i : order_.bodies) {
     const Link& link = model_.link(i);
     const int first = order_.begin[i], end = order_.tree_end[i];
@@ -125,13 +127,12 @@ void MassInverse::outward(const System<double>& system, std::vector<double>& inv
       for (int row = 0; row < 6; ++row) std::fill(a.row(row) + first, a.row(row) + end, 0.0);
     const SixRows parent = root ? a : accelerations(link.parent);
     const Vec3<double>& r = system.bodies[i].r;
-    if (link.nv == 0) move_outward(r, end - first, parent.from(first), a.from(first));
+    if (link.nv == 0) move_outward(r, first, end, parent, a);
     for (int k = link.v; k < link.v + link.nv; ++k) {
       const int own = order_.place[k];
       double* row = response(k);
       const bool arrive = k == link.v;
-      follow(system.columns[k], freedoms_[k].D, arrive ? r : nowhere, end - own, (arrive ? parent : a).from(own),
-             a.from(own), row + own);
+      follow(system.columns[k], freedoms_[k].D, arrive ? r : nowhere, own, end, arrive ? parent : a, a, row);
       for (int c = own; c < end; ++c) inverse[std::size_t(order_.coordinate[c]) * n + k] = row[c];
       if (order_.same) continue;  // row k of `inverse` itself
       for (int c = own; c < end; ++c) inverse[std::size_t(k) * n + order_.coordinate[c]] = row[c];

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lib/derivatives/coordinate_order.h"
+#include "lib/derivatives/lanes.h"
 #include "lib/system/system.h"
 
 namespace lanc {
@@ -34,8 +35,8 @@ class MassInverse {
   std::vector<int> slot_;  // per body: where its accelerations are while its children need them
   std::vector<ArticulatedInertia<double>> star_;
   std::vector<Freedom> freedoms_;
-  std::vector<double> load_;      // 6 × nv: f* of every column
-  std::vector<double> slots_;     // 6 × nv a slot: â of every column
+  AlignedRows load_;              // 6 × nv: f* of every column
+  AlignedRows slots_;             // 6 × nv a slot: â of every column
   double* rows_ = nullptr;        // nv × nv by rows, in depth-first order: N⁻¹ (τ + Cᵀ f*), then M̄⁻¹
   std::vector<double> response_;  // where they are unless that is the model's own order
 };

@@ -16,7 +16,6 @@ struct SixRows {
   int stride;
 
   double* row(int i) const { return first + std::ptrdiff_t(i) * stride; }
-  SixRows from(int column) const { return {first + column, stride}; }
   void set(int column, const Wrench<double>& f) const {
     double* at = first + column;
     for (const double x : {f.moment.x, f.moment.y, f.moment.z, f.force.x, f.force.y, f.force.z}) *at = x, at += stride;
