@@ -30,6 +30,14 @@ bool finite(const std::vector<double>& values) {
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())).sum());
 }
 
+Outcome singular_tree(Outcome outcome) {
+  outcome.status = Status::objection;
+  outcome.message =
+      "the mass matrix of the tree that is left without its loops is singular or not positive definite, and the "
+      "derivatives are made by its inverse";
+  return outcome;
+}
+
 }  // namespace
 
 /// Rows of G and their projections, where loops are closed: with L Lᵀ = G M̄⁻¹ Gᵀ and Z = M̄⁻¹ Gᵀ L⁻ᵀ,
@@ -67,6 +75,7 @@ class AnalyticDerivatives::Loops {
     for (int i = 0; i < r; ++i)
       for (int p = jacobian_.starts()[independent[i]]; p < jacobian_.starts()[independent[i] + 1]; ++p)
         G(i, jacobian_.columns()[p]) += jacobian_.values()[p];
+    if (r == 0) return true;
     Z.noalias() = View(const_cast<double*>(inverse.data()), n, n) * G.transpose();
     S.noalias() = G * Z;
     Eigen::LLT<Eigen::Ref<Matrix>> factor(S);
@@ -177,13 +186,7 @@ Outcome AnalyticDerivatives::at(Evaluator<double>& evaluator, const System<doubl
              pairs_->any() ? pairs_->without_pairs(evaluator, system, solution) : solution);
   pairs_->add_springs(evaluator, d);
   mass_inverse_->evaluate(system, result_.force);
-  if (!finite(result_.force) || (loops_ && !loops_->factorise(system, result_.force, result_.independent))) {
-    outcome.status = Status::objection;
-    outcome.message =
-        "the mass matrix of the tree that is left without its loops is singular or not positive definite, and the "
-        "derivatives are made by its inverse";
-    return outcome;
-  }
+  if (loops_ && !loops_->factorise(system, result_.force, result_.independent)) return singular_tree(outcome);
   if (loops_) loops_->add_reactions(evaluator, system, state.t, solution, result_.independent, *pairs_, d);
   const double before = loops_ ? loops_->largest(result_.force) : 0;
   const Rows inverse(result_.force.data(), n, n);
@@ -195,7 +198,8 @@ Outcome AnalyticDerivatives::at(Evaluator<double>& evaluator, const System<doubl
     loops_->constrain_force(result_);
     if (outcome.rank < n) outcome.forward_error = rounding * before / loops_->largest(result_.force);
   }
-  if (!finite(result_.position) || !finite(result_.velocity) || !finite(result_.force)) {
+  if (!finite(result_.force)) return singular_tree(outcome);
+  if (!finite(result_.position) || !finite(result_.velocity)) {
     outcome.status = Status::not_finite;
     outcome.message = "a force or a closure condition has no derivative here";
   } else if (outcome.forward_error > largest_error) {
