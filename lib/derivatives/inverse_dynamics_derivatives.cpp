@@ -37,14 +37,6 @@ struct Meetings {
   double *position_out, *velocity_out;  // of the coordinate, in its row
 };
 
-/// Cᵀ f; what the kind knows to be zero is left out.
-template <ColumnKind kind>
-[[gnu::always_inline]] inline Lanes project(const SixLanes& f, const Motion<double>& C) {
-  if constexpr (kind == ColumnKind::rotation) return f.upper(C.angular);
-  if constexpr (kind == ColumnKind::translation) return f.lower(C.linear);
-  return f.upper(C.angular) + f.lower(C.linear);
-}
-
 /// The joint of a coordinate meets `count` columns of what it carries; these then go on by `arm`.
 template <ColumnKind kind>
 void meet_columns(const Direction& direction, const Vec3<double>& arm, int first, int end, const SixRows& columns,
@@ -59,14 +51,14 @@ void meet_columns(const Direction& direction, const Vec3<double>& arm, int first
     };
     SixLanes mass(group(of_mass), c, lanes), position(group(of_position), c, lanes),
         velocity(group(of_velocity), c, lanes);
-    Lanes in = project<ColumnKind::screw>(mass, d.acceleration) + couple(of_coriolis, d.velocity.angular);
+    Lanes in = project<ColumnKind::screw>(d.acceleration, mass) + couple(of_coriolis, d.velocity.angular);
     if (loaded) in += couple(of_loads, d.C.angular);
     lanes.store(to.position + c, in);
-    in = project<ColumnKind::screw>(mass, d.rate);
+    in = project<ColumnKind::screw>(d.rate, mass);
     if constexpr (kind != ColumnKind::translation) in += couple(of_coriolis, d.C.angular);
     lanes.store(to.velocity + c, in);
-    lanes.store(to.position_out + c, project<kind>(position, d.C));
-    lanes.store(to.velocity_out + c, project<kind>(velocity, d.C));
+    lanes.store(to.position_out + c, project<kind>(d.C, position));
+    lanes.store(to.velocity_out + c, project<kind>(d.C, velocity));
     for (const auto& [wrenches, row] :
          {std::pair{&mass, of_mass}, {&position, of_position}, {&velocity, of_velocity}}) {
       wrenches->move_inward(r);

@@ -1,6 +1,7 @@
 #include "lib/derivatives/mass_inverse.h"
 
 #include <algorithm>
+#include <array>
 
 #include "lib/derivatives/six_rows.h"
 
@@ -8,6 +9,7 @@ namespace lanc {
 namespace {
 
 /// A freedom of eq. 18 is released, leaf to root: response = Cᵀ f / N, f −= D Cᵀ f. Then the loads go on by `arm`.
+template <ColumnKind kind>
 void release(const Motion<double>& C, const Wrench<double>& D, double inverse, const Vec3<double>& arm, int first,
              int end, const SixRows& loads, double* response) {
   const Motion<double> c = C;
@@ -15,7 +17,7 @@ void release(const Motion<double>& C, const Wrench<double>& D, double inverse, c
   const Vec3<double> r = arm;
   for_columns(first, end, [&](int i, auto lanes) {
     SixLanes f(loads, i, lanes);
-    const Lanes torque = f.upper(c.angular) + f.lower(c.linear);
+    const Lanes torque = project<kind>(c, f);
     lanes.store(response + i, torque * inverse);
     f.add_upper(d.moment, -torque), f.add_lower(d.force, -torque);
     f.move_inward(r);
@@ -24,6 +26,7 @@ void release(const Motion<double>& C, const Wrench<double>& D, double inverse, c
 }
 
 /// And root to leaf: accelerations come by `arm`; response −= D·a is then the freedom's η̇, and a += C η̇.
+template <ColumnKind kind>
 void follow(const Motion<double>& C, const Wrench<double>& D, const Vec3<double>& arm, int first, int end,
             const SixRows& from, const SixRows& to, double* response) {
   const Motion<double> c = C;
@@ -34,10 +37,15 @@ void follow(const Motion<double>& C, const Wrench<double>& D, const Vec3<double>
     a.move_outward(r);
     const Lanes vdot = lanes.load(response + i) - (a.upper(d.moment) + a.lower(d.force));
     lanes.store(response + i, vdot);
-    a.add_upper(c.angular, vdot), a.add_lower(c.linear, vdot);
+    add_along<kind>(c, vdot, a);
     a.store(to, i, lanes);
   });
 }
+
+constexpr auto releases =
+    std::array{release<ColumnKind::rotation>, release<ColumnKind::translation>, release<ColumnKind::screw>};
+constexpr auto follows =
+    std::array{follow<ColumnKind::rotation>, follow<ColumnKind::translation>, follow<ColumnKind::screw>};
 
 void move_inward(const Vec3<double>& arm, int first, int end, const SixRows& loads) {
   const Vec3<double> r = arm;
@@ -100,7 +108,7 @@ void MassInverse::inward(const System<double>& system) {
       subtract_outer(rest, freedom.D, U);
       const int own = order_.place[k];
       const bool last = k == link.v;
-      release(C, freedom.D, freedom.inverse, last ? r : nowhere, own + 1, end, f, response(k));
+      releases[static_cast<int>(kind)](C, freedom.D, freedom.inverse, last ? r : nowhere, own + 1, end, f, response(k));
       response(k)[own] = freedom.inverse;
       f.set(own, last ? moved_inward(r, freedom.D * -1) : freedom.D * -1);
     }
@@ -132,7 +140,8 @@ void MassInverse::outward(const System<double>& system, std::vector<double>& inv
       const int own = order_.place[k];
       double* row = response(k);
       const bool arrive = k == link.v;
-      follow(system.columns[k], freedoms_[k].D, arrive ? r : nowhere, own, end, arrive ? parent : a, a, row);
+      follows[static_cast<int>(model_.column_kind(k))](system.columns[k], freedoms_[k].D, arrive ? r : nowhere, own,
+                                                       end, arrive ? parent : a, a, row);
       for (int c = own; c < end; ++c) inverse[std::size_t(order_.coordinate[c]) * n + k] = row[c];
       if (order_.same) continue;  // row k of `inverse` itself
       for (int c = own; c < end; ++c) inverse[std::size_t(k) * n + order_.coordinate[c]] = row[c];

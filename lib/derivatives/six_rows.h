@@ -56,4 +56,17 @@ struct SixLanes {
   void move_outward(const Vec3<double>& r) { u += r.z * y - r.y * z, v += r.x * z - r.z * x, w += r.y * x - r.x * y; }
 };
 
+/// Cᵀ f and a += C s, as project() and add_along() do for one (lib/spatial/spatial.h).
+template <ColumnKind kind>
+[[gnu::always_inline]] inline Lanes project(const Motion<double>& C, const SixLanes& f) {
+  if constexpr (kind == ColumnKind::rotation) return f.upper(C.angular);
+  if constexpr (kind == ColumnKind::translation) return f.lower(C.linear);
+  return f.upper(C.angular) + f.lower(C.linear);
+}
+template <ColumnKind kind>
+[[gnu::always_inline]] inline void add_along(const Motion<double>& C, const Lanes& s, SixLanes& a) {
+  if constexpr (kind != ColumnKind::translation) a.add_upper(C.angular, s);
+  if constexpr (kind != ColumnKind::rotation) a.add_lower(C.linear, s);
+}
+
 }  // namespace lanc
