@@ -15,9 +15,10 @@ namespace lanc {
 /// a column moves with the freedoms before it in the joint, as if these were joints of their own.
 inline bool moves_as_one(const Link& link) { return link.kind.traits().quaternion >= 0; }
 
-/// ∂r/∂q and ∂r/∂η of r = Cᵀ f̂ + A η̇ − τ at constant η̇. Carpentier &
-/// Mansard 2018, in the form of Singh, Russell & Wensing 2022; here in world axes, each body about its own reference
-/// point. A q-derivative is one along q̇ = H(q) e_k (eq. 1): column k belongs to velocity coordinate k.
+/// ∂r/∂q and ∂r/∂η of r = Cᵀ f̂ + A η̇ − τ at constant η̇: Carpentier & Mansard 2018 ("Analytical derivatives of rigid
+/// body dynamics algorithms"), in the form of Singh, Russell & Wensing 2022 ("Efficient analytical derivatives of
+/// rigid-body dynamics using spatial vector algebra"); here in world axes, each body about its own reference point. A
+/// q-derivative is one along q̇ = H(q) e_k (eq. 1): column k belongs to velocity coordinate k.
 ///
 /// Direction k, of joint j on the body p, moves all that body j carries as one rigid body, by the twist C_k. Seen from
 /// there (δ′x = δx − C_k × x) columns, inertias and the joints' velocities stay, and for every body i carried, with
@@ -34,8 +35,7 @@ inline bool moves_as_one(const Link& link) { return link.kind.traits().quaternio
 /// multiplications a pair of coordinates. Joints of several freedoms are chains of massless ones, but those with Euler
 /// parameters, whose columns are fixed in the successor: they move as one. O(nv · depth), in vectors over coordinates.
 ///
-/// Springs and closures between two bodies are left to loop_derivatives.h: their wrenches count as fixed to the bodies.
-/// Allocates in the constructor only. Tested by tests/derivatives/.
+/// Springs and closures between two bodies are left to pair_derivatives.h. Allocates in the constructor only. Tested by tests/derivatives/.
 class InverseDynamicsDerivatives {
  public:
   InverseDynamicsDerivatives(const Model& model, const CoordinateOrder& order);
@@ -45,12 +45,12 @@ class InverseDynamicsDerivatives {
     Motion<double> C, velocity, acceleration, rate;  // C_k, Ψ̇_k, Ψ̈_k, Ψ̇_k + Ċ_k
   };
 
-  /// At the evaluator's last state. `accelerations`, `wrenches`: â and f̂ of an answer with that η̇. Matrices nv × nv,
-  /// row after row.
+  /// At the evaluator's last state. solution: an answer there, with joint wrenches as if nothing acted between two
+  /// bodies (PairDerivatives::without_pairs).
   void evaluate(Evaluator<double>& evaluator, const System<double>& system, const State<double>& state,
                 const Loads<double>& loads, const Solution<double>& solution);
 
-  std::vector<double> position, velocity;
+  std::vector<double> position, velocity;  // ∂r/∂q and ∂r/∂η, nv × nv, row after row
   const Direction& direction(int k) const { return directions_[k]; }
 
  private:
