@@ -35,7 +35,8 @@ inline bool moves_as_one(const Link& link) { return link.kind.traits().quaternio
 /// multiplications a pair of coordinates. Joints of several freedoms are chains of massless ones, but those with Euler
 /// parameters, whose columns are fixed in the successor: they move as one. O(nv · depth), in vectors over coordinates.
 ///
-/// Springs and closures between two bodies are left to pair_derivatives.h. Allocates in the constructor only. Tested by tests/derivatives/.
+/// Springs and closures between two bodies are left to pair_derivatives.h. Allocates in the constructor only. Tested by
+/// tests/derivatives/.
 class InverseDynamicsDerivatives {
  public:
   InverseDynamicsDerivatives(const Model& model, const CoordinateOrder& order);
