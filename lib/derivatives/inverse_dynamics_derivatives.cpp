@@ -161,14 +161,15 @@ void InverseDynamicsDerivatives::meet(int k, ColumnKind kind, const Vec3<double>
   static constexpr auto by_kind = std::array{meet_columns<ColumnKind::rotation>, meet_columns<ColumnKind::translation>,
                                              meet_columns<ColumnKind::screw>};
   by_kind[static_cast<int>(kind)](directions_[k], arm, first, end, columns(), loaded_, to);
-  for (int c = first + 1; c < end; ++c) {
-    const std::size_t at = std::size_t(order_.coordinate[c]) * n + k;
-    position[at] = to.position[c], velocity[at] = to.velocity[c];
+  if (order_.same) {
+    std::size_t at = row + n + k;
+    for (int c = first + 1; c < end; ++c, at += n) position[at] = to.position[c], velocity[at] = to.velocity[c];
+    return;
   }
-  if (order_.same) return;
   for (int c = first; c < end; ++c) {
-    const std::size_t at = row + order_.coordinate[c];
-    position[at] = to.position_out[c], velocity[at] = to.velocity_out[c];
+    const std::size_t other = order_.coordinate[c];
+    position[other * n + k] = to.position[c], velocity[other * n + k] = to.velocity[c];
+    position[row + other] = to.position_out[c], velocity[row + other] = to.velocity_out[c];
   }
 }
 

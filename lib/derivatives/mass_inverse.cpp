@@ -142,9 +142,15 @@ void MassInverse::outward(const System<double>& system, std::vector<double>& inv
       const bool arrive = k == link.v;
       follows[static_cast<int>(model_.column_kind(k))](system.columns[k], freedoms_[k].D, arrive ? r : nowhere, own,
                                                        end, arrive ? parent : a, a, row);
-      for (int c = own; c < end; ++c) inverse[std::size_t(order_.coordinate[c]) * n + k] = row[c];
-      if (order_.same) continue;  // row k of `inverse` itself
-      for (int c = own; c < end; ++c) inverse[std::size_t(k) * n + order_.coordinate[c]] = row[c];
+      if (order_.same) {  // row k of `inverse` itself
+        double* column = inverse.data() + k;
+        for (int c = own; c < end; ++c) column[std::size_t(c) * n] = row[c];
+        continue;
+      }
+      for (int c = own; c < end; ++c) {
+        const std::size_t other = order_.coordinate[c];
+        inverse[other * n + k] = inverse[std::size_t(k) * n + other] = row[c];
+      }
     }
   }
 }
