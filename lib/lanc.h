@@ -1,6 +1,7 @@
 // Everything a program of one's own needs: models, coefficients of eq. 14, formulations, what they cost.
 #pragma once
 
+#include "lib/derivatives/forward_derivatives.h"
 #include "lib/formulation/formulation.h"
 #include "lib/io/generators.h"
 #include "lib/io/joint_graph.h"

@@ -1,6 +1,6 @@
 #include "lib/integrate/full_coordinates.h"
 
-#include "lib/integrate/coordinates.h"
+#include "lib/model/coordinates.h"
 
 namespace lanc {
 
@@ -72,8 +72,8 @@ Evaluation FullCoordinates::jacobian(double t, const double* y, double* J) {
   State<double> state = unpack(t, y).state;
   outcome_ = solve(state);
   if (!outcome_.usable()) return evaluation_of(outcome_, solver_.policy());
-  const MotionDerivatives& d =
-      differentiator_.at(state, solver_.solution().vdot, solver_.solution().lambda, solver_.counts());
+  const MotionDerivatives& d = differentiator_.at(state, solver_.solution().vdot, solver_.solution().lambda);
+  solver_.counts().add_derivatives(differentiator_.passes());
   const int n = size();
   std::fill(J, J + static_cast<std::ptrdiff_t>(n) * n, 0.0);
   for (int c = 0; c < nq_ + nv_; ++c) {

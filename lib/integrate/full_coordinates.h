@@ -2,7 +2,7 @@
 // Private to lib/integrate.
 #pragma once
 
-#include "lib/integrate/derivatives.h"
+#include "lib/derivatives/motion_derivatives.h"
 #include "lib/integrate/motion_solver.h"
 #include "lib/integrate/stabilisation.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "lib/integrate/coordinates.h"
 #include "lib/integrate/residual_form.h"
+#include "lib/model/coordinates.h"
 #include "lib/solve/dense_algebra.h"
 
 namespace lanc {

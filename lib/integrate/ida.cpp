@@ -2,9 +2,9 @@
 
 #include <ida/ida.h>
 
-#include "lib/integrate/coordinates.h"
 #include "lib/integrate/residual_form.h"
 #include "lib/integrate/sundials.h"
+#include "lib/model/coordinates.h"
 
 namespace lanc {
 namespace {

@@ -11,7 +11,7 @@
 #include "lib/closure/explicit.h"
 #include "lib/closure/retraction.h"
 #include "lib/closure/scaling.h"
-#include "lib/integrate/derivatives.h"
+#include "lib/derivatives/motion_derivatives.h"
 #include "lib/integrate/motion_solver.h"
 #include "lib/solve/dense.h"
 #include "lib/solve/dense_algebra.h"
@@ -103,8 +103,7 @@ Outcome linearise(const Model& model, const State<double>& state, const std::vec
   ClosureRank<double> rank(model);
   const ClosureDecision& decision = rank.decide(solver.system());
   Differentiator differentiator(model, {});
-  MotionCounts counts;
-  const MotionDerivatives& d = differentiator.at(state, solver.solution().vdot, solver.solution().lambda, counts);
+  const MotionDerivatives& d = differentiator.at(state, solver.solution().vdot, solver.solution().lambda);
   const Departures way = departures(model, solver.system(), decision, d, chosen);
   if (!(way.condition < most_conditioned))
     return {Status::singular, "the velocities named are not independent here: the others do not follow from them"};
@@ -150,14 +149,13 @@ Unbalance unbalance(const Model& model, const State<double>& state, const Eigen:
     result.J = closures.at(system, decision).J;
   }
   Differentiator differentiator(model, {});
-  MotionCounts counts;
   const std::vector<double> still(model.nv(), 0.0);
   if (model.has_closures()) {  // the multipliers that balance best
-    const Matrix G = differentiator.at(state, still, lambda, counts).velocity.rightCols(model.nv());
+    const Matrix G = differentiator.at(state, still, lambda).velocity.rightCols(model.nv());
     const Eigen::VectorXd best = least_squares(scale.asDiagonal() * G.transpose(), scale.cwiseProduct(r));
     lambda.assign(best.begin(), best.end());
   }
-  const MotionDerivatives& d = differentiator.at(state, still, lambda, counts);
+  const MotionDerivatives& d = differentiator.at(state, still, lambda);
   result.force = -(result.J.transpose() * r);
   result.stiffness =
       result.J.transpose() * d.balance.leftCols(model.nq()) * d.coordinate_rate.rightCols(model.nv()) * result.J;

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "lib/closure/retraction.h"
-#include "lib/integrate/coordinates.h"
 #include "lib/integrate/full_coordinates.h"
+#include "lib/model/coordinates.h"
 
 namespace lanc {
 namespace {

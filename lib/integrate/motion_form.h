@@ -31,6 +31,8 @@ struct MotionCounts {
   long jacobians = 0;        // derivatives of these
   long kinematics = 0;       // passes over all joints, those on dual numbers included
   long dual_kinematics = 0;  // of these, those on dual numbers
+
+  void add_derivatives(int passes) { ++jacobians, kinematics += passes, dual_kinematics += passes; }
 };
 
 /// One way to write the equations of motion as numbers. Bound to a model; keeps history (the rank, chosen coordinates).

@@ -30,10 +30,11 @@ Outcome ResidualForm::start(const State<double>& state, Eigen::VectorXd& vdot, E
   // multipliers of these rows alone that do the same as those of all
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(rows());
   const Eigen::MatrixXd columns =
-      differentiator_.at(state, solution.vdot, solution.lambda, solver_.counts()).velocity.rightCols(model().nv());
+      differentiator_.at(state, solution.vdot, solution.lambda).velocity.rightCols(model().nv());
   const Eigen::MatrixXd G = columns(rows_, Eigen::all);
   const Eigen::Map<const Eigen::VectorXd> all(solution.lambda.data(),
                                               static_cast<Eigen::Index>(solution.lambda.size()));
+  solver_.counts().add_derivatives(differentiator_.passes());
   lambda = none;
   if (rows() > 0) lambda = least_squares(G.transpose(), columns.transpose() * all);
   return outcome_;
@@ -64,8 +65,8 @@ const MotionResidual& ResidualForm::residual(const State<double>& state, const E
 
 const MotionDerivatives& ResidualForm::derivatives(const State<double>& state, const Eigen::VectorXd& vdot,
                                                    const Eigen::VectorXd& lambda) {
-  const MotionDerivatives& all =
-      differentiator_.at(state, {vdot.begin(), vdot.end()}, all_rows(lambda), solver_.counts());
+  const MotionDerivatives& all = differentiator_.at(state, {vdot.begin(), vdot.end()}, all_rows(lambda));
+  solver_.counts().add_derivatives(differentiator_.passes());
   derivatives_.coordinate_rate = all.coordinate_rate;
   derivatives_.balance = all.balance;
   derivatives_.position = all.position(rows_, Eigen::all);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "lib/scalar/native_pack.h"
-#include "lib/system/closure_rows.h"
+#include "lib/system/passive_torque.h"
 
 namespace lanc {
 
@@ -167,19 +167,10 @@ void Evaluator<S>::apply_passive(const State<S>& state) {
     const CoordinateSpec& c = passive.spec;
     const bool driven = link.drive >= 0;
     const S v = driven ? S(motions_[link.drive].velocity) : state.v[link.v + passive.coordinate];
-    S torque(c.torque);
-    if (c.stiffness != 0) {
-      const S q = driven ? S(motions_[link.drive].position) : state.q[link.q + passive.coordinate];
-      torque -= S(c.stiffness) * (q - S(c.rest));
-    }
-    if (c.damping != 0) torque -= S(c.damping) * v;
-    if (c.friction_positive != 0 || c.friction_negative != 0) {
-      // s → ±1 for |v| ≫ friction_speed; the even part carries the difference between the two directions
-      const S speed(c.friction_speed);
-      const S s = v / sqrt(v * v + speed * speed);
-      torque -= s * (S((c.friction_positive + c.friction_negative) / 2) +
-                     s * S((c.friction_positive - c.friction_negative) / 2));
-    }
+    // only coordinates whose rates are velocities have a spring, and then a position of the same number
+    S q(0.0);
+    if (c.stiffness != 0) q = driven ? S(motions_[link.drive].position) : state.q[link.q + passive.coordinate];
+    const S torque = passive_torque(c, q, v);
     if (driven)
       system_.drive_load[link.drive] = S(c.armature * motions_[link.drive].acceleration) - torque;
     else
@@ -188,111 +179,35 @@ void Evaluator<S>::apply_passive(const State<S>& state) {
 }
 
 template <class S>
-void Evaluator<S>::apply_point_force(int body, const Vec3<S>& arm, const Vec3<S>& force) {
-  if (body != ground) system_.rhs.force[body] += {cross(arm, force), force};
-}
-
-/// Force on end a of a spring whose other end is away by `d` and moves away with `speed`. A spring without rest length
-/// pulls with stiffness · d, smooth at d = 0; its damper there acts along the speed, as it does just before and after.
-/// A spring with a rest length has no limit at d = 0: the force is not a number.
-template <class S>
-Vec3<S> spring_pull(const PointSpring& spring, const Vec3<S>& d, const Vec3<S>& speed) {
-  const S stiffness(spring.stiffness), damping(spring.damping);
-  if (spring.rest_length != 0 && spring.stiffness != 0) {
-    const S length = sqrt(dot(d, d));
-    const Vec3<S> u = {d.x / length, d.y / length, d.z / length};
-    return u * (stiffness * (length - S(spring.rest_length)) + damping * dot(u, speed));
-  }
-  if (spring.damping == 0) return d * stiffness;
-  // The direction without asking whether d is zero: where it is, the speed's, and none where that is zero, too.
-  const Vec3<S> along = d + speed * S(1e-140);
-  const S squared = dot(along, along) + S(1e-300);
-  return d * stiffness + along * (damping * dot(along, speed) / squared);
+MovingBody<S> Evaluator<S>::moving_body(int body) const {
+  return body == ground ? ground_at_rest<S>() : MovingBody<S>{rotation(body), positions_[body], twists_[body]};
 }
 
 template <class S>
 void Evaluator<S>::apply_springs() {
   positions();
   twists();
-  struct End {
-    Vec3<S> arm, position, velocity;
-  };
-  const auto end = [&](int body, const Vec3<double>& point) -> End {
-    if (body == ground) return {{}, cast<S>(point), {S(0.0), S(0.0), S(0.0)}};
-    const Vec3<S> arm = rotation(body) * cast<S>(point);
-    return {arm, positions_[body] + arm, twists_[body].linear + cross(angular_velocity(body), arm)};
-  };
   for (const PointSpring& spring : system_.model.springs()) {
-    const End a = end(spring.body_a, spring.point_a), b = end(spring.body_b, spring.point_b);
-    const Vec3<S> d = b.position - a.position;
-    const Vec3<S> pull = spring_pull(spring, d, b.velocity - a.velocity);
-    apply_point_force(spring.body_a, a.arm, pull);
-    apply_point_force(spring.body_b, b.arm, -pull);
+    const WrenchPair<S> w = spring_wrenches(spring, moving_body(spring.body_a), moving_body(spring.body_b));
+    if (spring.body_a != ground) system_.rhs.force[spring.body_a] += w.a;
+    if (spring.body_b != ground) system_.rhs.force[spring.body_b] += w.b;
   }
 }
-
-namespace {
-
-/// Frame on a body (reference point at `position`, twist `v`) that the model gives in the body's joint axes.
-template <class S>
-closure::Frame<S> frame_on_body(const Mat3<S>& R, const Vec3<S>& position, const Motion<S>& v, const Mat3<double>& axes,
-                                const Vec3<double>& point) {
-  const Vec3<S> arm = R * cast<S>(point), turn = cross(v.angular, arm);
-  const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
-  return {R * cast<S>(axes), arm, position + arm, v.angular, v.linear + turn, {none, cross(v.angular, turn)}};
-}
-
-/// Moves frame A by the prescribed motion of a joint with one freedom, as (5), (7) and (9) do for a tree joint.
-template <class S, class Joint>
-void move_frame(closure::Frame<S>& A, double pitch, const MotionSample& motion) {
-  const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
-  JointStep<S> step{.F = A.axes, .pitch = pitch, .displacement = none, .angular = none, .linear = none};
-  Motion<S> C{none, none};
-  const S position(motion.position), velocity(motion.velocity);
-  Joint::move(&position, turns_of<Joint>(&position).data(), &velocity, step, &C);
-  const Vec3<S>&w = A.angular, &r = step.displacement, &u = step.linear;
-  A.bias.angular += cross(w, step.angular) + C.angular * S(motion.acceleration);
-  A.bias.linear += cross(w, cross(w, r)) + cross(w, u) * S(2.0) + C.linear * S(motion.acceleration);
-  A.linear += cross(w, r) + u;
-  A.angular += step.angular;
-  A.axes = step.R;
-  A.arm += r, A.position += r;
-}
-
-}  // namespace
 
 /// Rows of all closures: g, ġ, G_a, G_b and γ̿.
 template <class S>
 void Evaluator<S>::close_loops(const State<S>& state) {
-  static constexpr auto movers = for_each_joint_kind([]<class Joint>() {
-    if constexpr (Joint::traits.nv == 1)
-      return &move_frame<S, Joint>;
-    else
-      return static_cast<void (*)(closure::Frame<S>&, double, const MotionSample&)>(nullptr);
-  });
   const ClosureSet& set = system_.model.closures();
   system_.state = state;
   positions();
   twists();
   const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
-  const auto frame = [&](int body, const Mat3<double>& axes, const Vec3<double>& point) {
-    return body == ground ? frame_on_body(identity3<S>(), none, Motion<S>{none, none}, axes, point)
-                          : frame_on_body(rotation(body), positions_[body], twists_[body], axes, point);
-  };
-  for (const Closure& c : set.closures) {
-    closure::Frame<S> A = frame(c.body_a, c.axes_a, c.point_a);
-    const closure::Frame<S> B = frame(c.body_b, c.axes_b, c.point_b);
-    MotionSample motion{c.length, 0, 0};
-    if (c.motion >= 0) motion = set.motions[c.motion]->at(state.t);
-    const ClosureTraits& traits = c.kind.traits();
-    if (c.motion >= 0 && !traits.has_length) movers[traits.joint->index](A, c.pitch, motion);
-    const Conditions& conditions = c.conditions();
-    for (int k = 0; k < conditions.count; ++k) {
-      const closure::Row<S> row = closure::condition(conditions.rows[k], A, B, S(c.pitch), motion);
-      system_.closure_rows[c.row + k] = {row.a, row.b, row.value, row.rate};
-      system_.rhs.closure[c.row + k] = row.bias;
-    }
-  }
+  for (const Closure& c : set.closures)
+    closure::rows_of(c, set, state.t, moving_body(c.body_a), moving_body(c.body_b),
+                     [&](int k, const closure::Row<S>& row) {
+                       system_.closure_rows[c.row + k] = {row.a, row.b, row.value, row.rate};
+                       system_.rhs.closure[c.row + k] = row.bias;
+                     });
   for (const Coupler& c : set.couplers) {
     MotionSample motion;
     if (c.motion >= 0) motion = set.motions[c.motion]->at(state.t);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lib/spatial/block.h"
+#include "lib/system/between_bodies.h"
 #include "lib/system/system.h"
 
 namespace lanc {
@@ -29,6 +30,8 @@ class Evaluator {
   /// Positions of all reference points and twists v̂ (eq. 7) at the last state; one pass over the bodies.
   const std::vector<Vec3<S>>& positions();
   const std::vector<Motion<S>>& twists();
+  /// A body, or the ground, by the last positions() and twists().
+  MovingBody<S> moving_body(int body) const;
 
  private:
   using B = Block<S>;
@@ -55,7 +58,6 @@ class Evaluator {
   void apply_passive(const State<S>& state);
   void apply_springs();
   void close_loops(const State<S>& state);
-  void apply_point_force(int body, const Vec3<S>& arm, const Vec3<S>& force);
 
   System<S> system_;
   std::vector<Frames> frames_;

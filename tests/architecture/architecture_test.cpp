@@ -1,6 +1,7 @@
 // The shape of the source tree: which folder may include which, and what every folder of a kind must contain.
 //
-//   scalar → spatial → model → system → closure → formulation → {formulations/*, integrate} → {experiments, tests}
+//   scalar → spatial → model → system → closure → formulation → {formulations/*, derivatives → integrate} →
+//   {experiments, tests}
 //
 // An arrow means "may be included by everything to its right". io, solve and report are leaves: io knows model and,
 // since its generators close loops, system and closure; solve knows nothing of ours but scalars; report knows io,
@@ -62,12 +63,15 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"lib/closure", {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/solve"}},
     {"lib/solve", {"lib/scalar"}},
     {"lib/formulation", {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/solve"}},
-    {"lib/integrate",
+    {"lib/derivatives",
      {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/solve", "lib/formulation"}},
+    {"lib/integrate",
+     {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/solve", "lib/formulation",
+      "lib/derivatives"}},
     {"lib/io", {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure"}},
     {"lib/report",
-     {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/formulation", "lib/integrate",
-      "lib/io"}},
+     {"lib/scalar", "lib/spatial", "lib/model", "lib/system", "lib/closure", "lib/formulation", "lib/derivatives",
+      "lib/integrate", "lib/io"}},
 };
 
 bool may_include(const Source& source, const std::string& included) {

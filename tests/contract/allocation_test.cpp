@@ -7,6 +7,7 @@
 #include <new>
 #include <string>
 
+#include "lib/derivatives/forward_derivatives.h"
 #include "lib/formulation/formulation.h"
 #include "lib/system/equations.h"
 #include "lib/system/evaluator.h"
@@ -72,6 +73,19 @@ TEST(Allocation, the_evaluator_allocates_nothing_after_binding) {
     evaluator.positions();
     evaluator.twists();
     EXPECT_EQ(allocations - before, 0) << c.name;
+  }
+}
+
+TEST(Allocation, analytic_derivatives_allocate_nothing_after_binding) {
+  for (const Case& c : small_zoo()) {
+    Evaluator<double> evaluator(c.model);
+    const System<double>& system = evaluator.system(c.state, c.loads);
+    Solution<double> solution(c.model);
+    if (!find_formulation("recursive")->create_double(c.model)->solve(system, solution).usable()) continue;
+    AnalyticDerivatives derivatives(c.model);
+    const long before = allocations;
+    const Outcome outcome = derivatives.at(evaluator, system, c.state, c.loads, solution);
+    if (outcome.usable()) EXPECT_EQ(allocations - before, 0) << c.name;
   }
 }
 

@@ -1,11 +1,10 @@
 // The equations of motion as a residual, and its exact derivatives by dual numbers.
-// Private to lib/integrate.
+// Private to the library.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
-#include "lib/integrate/motion_form.h"
 #include "lib/system/evaluator.h"
 
 namespace lanc {
@@ -17,14 +16,16 @@ struct MotionDerivatives {
 };
 
 /// Inverse dynamics on Dual<8>: a pass over the bodies for every eight columns, no differences. Bound to a model.
-/// Tested by tests/integrate/derivatives_test.cpp.
+/// Tested by tests/derivatives/motion_derivatives_test.cpp.
 class Differentiator {
  public:
   static constexpr int lanes = 8;
   Differentiator(const Model& model, const Loads<double>& loads);
 
   const MotionDerivatives& at(const State<double>& state, const std::vector<double>& vdot,
-                              const std::vector<double>& lambda, MotionCounts& counts);
+                              const std::vector<double>& lambda);
+  /// Passes over the bodies that one at() takes.
+  int passes() const { return (model_.nq() + model_.nv() + lanes - 1) / lanes; }
 
  private:
   using D = Dual<lanes>;

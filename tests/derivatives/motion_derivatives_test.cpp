@@ -1,10 +1,10 @@
 // Exact derivatives of the equations of motion, against difference quotients in extended precision.
-#include "lib/integrate/derivatives.h"
+#include "lib/derivatives/motion_derivatives.h"
 
 #include <gtest/gtest.h>
 
-#include "lib/integrate/coordinates.h"
 #include "lib/io/mechanism.h"
+#include "lib/model/coordinates.h"
 #include "lib/system/equations.h"
 #include "tests/support/random_model.h"
 #include "tests/support/tolerance.h"
@@ -42,10 +42,9 @@ void expect_derivatives(const std::string& name, const Model& model, const State
   for (double& x : vdot) x = random.uniform(-2, 2);
   for (double& x : lambda) x = random.uniform(-2, 2);
   Differentiator differentiator(model, loads);
-  MotionCounts counts;
-  const MotionDerivatives& d = differentiator.at(state, vdot, lambda, counts);
+  const MotionDerivatives& d = differentiator.at(state, vdot, lambda);
   const int nq = model.nq(), columns = nq + model.nv();
-  EXPECT_EQ(counts.dual_kinematics, (columns + Differentiator::lanes - 1) / Differentiator::lanes) << name;
+  EXPECT_EQ(differentiator.passes(), (columns + Differentiator::lanes - 1) / Differentiator::lanes) << name;
   const Eigen::MatrixXd* blocks[] = {&d.coordinate_rate, &d.balance, &d.position, &d.velocity, &d.acceleration};
   constexpr Real h = 1e-6L;
   for (int c = 0; c < columns; ++c) {

@@ -1,5 +1,5 @@
 // Position coordinates of all joints: rates, norms, units.
-// Private to lib/integrate.
+// Private to the library.
 #pragma once
 
 #include <cmath>

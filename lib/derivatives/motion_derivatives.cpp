@@ -1,8 +1,8 @@
-#include "lib/integrate/derivatives.h"
+#include "lib/derivatives/motion_derivatives.h"
 
 #include <algorithm>
 
-#include "lib/integrate/coordinates.h"
+#include "lib/model/coordinates.h"
 #include "lib/system/equations.h"
 
 namespace lanc {
@@ -46,11 +46,10 @@ void Differentiator::store(int first, int count) {
 }
 
 const MotionDerivatives& Differentiator::at(const State<double>& state, const std::vector<double>& vdot,
-                                            const std::vector<double>& lambda, MotionCounts& counts) {
+                                            const std::vector<double>& lambda) {
   const int nq = model_.nq(), columns = nq + model_.nv();
   std::copy(vdot.begin(), vdot.end(), solution_.vdot.begin());
   std::copy(lambda.begin(), lambda.end(), solution_.lambda.begin());
-  ++counts.jacobians;
   if (result_.balance.cols() != columns) allocate();
   for (int first = 0; first < columns; first += lanes) {
     const int count = std::min(lanes, columns - first);
@@ -61,7 +60,6 @@ const MotionDerivatives& Differentiator::at(const State<double>& state, const st
     }
     evaluate(std::move(seeded));
     store(first, count);
-    ++counts.kinematics, ++counts.dual_kinematics;
   }
   return result_;
 }
