@@ -1,0 +1,355 @@
+#include "formulations/recursive-loops/elimination_plan.h"
+
+#include <algorithm>
+#include <queue>
+#include <set>
+
+namespace lanc {
+namespace {
+
+using Set = std::vector<int>;  // ascending
+
+void insert(Set& set, int x) {
+  const auto at = std::lower_bound(set.begin(), set.end(), x);
+  if (at == set.end() || *at != x) set.insert(at, x);
+}
+
+void erase(Set& set, int x) {
+  const auto at = std::lower_bound(set.begin(), set.end(), x);
+  if (at != set.end() && *at == x) set.erase(at);
+}
+
+/// The graph of what is not eliminated yet.
+class QuotientGraph {
+ public:
+  struct Body {
+    Set closures;  // it meets
+    Set met;       // all it ever met
+    int children_left = 0;
+  };
+  struct Closure {
+    int row = 0, rows = 0;
+    Set bodies, closures;     // it meets
+    int velocities_left = 0;  // a coupler's, whose bodies are still there
+    bool grounded = false;    // one side of its loop is gone down to the ground
+  };
+
+  explicit QuotientGraph(const Model& model);
+
+  /// Nodes that may be eliminated, of least degree first: body i or −1 − closure.
+  bool next(int& node);
+  void eliminate_body(int i);
+  void eliminate_closure(int c);
+
+  const Body& body(int i) const { return bodies_[i]; }
+  const Closure& closure(int c) const { return closures_[c]; }
+  int closures() const { return static_cast<int>(closures_.size()); }
+
+ private:
+  void meet(int closure, int body) {
+    insert(closures_[closure].bodies, body);
+    insert(bodies_[body].closures, closure);
+    insert(bodies_[body].met, closure);
+  }
+  bool admitted(int node) const;
+  int degree(int node) const;
+  void consider(int node) {
+    if (admitted(node)) queue_.emplace(degree(node), node);
+  }
+
+  const Model& model_;
+  std::vector<Body> bodies_;
+  std::vector<Closure> closures_;
+  std::vector<char> body_gone_, closure_gone_;
+  std::vector<Set> couplers_on_;  // per body
+  std::priority_queue<std::pair<int, int>, std::vector<std::pair<int, int>>, std::greater<>> queue_;
+};
+
+QuotientGraph::QuotientGraph(const Model& model)
+    : model_(model), bodies_(model.bodies()), body_gone_(model.bodies()), couplers_on_(model.bodies()) {
+  for (const Link& link : model.links())
+    if (link.parent != ground) ++bodies_[link.parent].children_left;
+  const ClosureSet& set = model.closures();
+  closures_.resize(set.closures.size() + set.couplers.size());
+  closure_gone_.resize(closures_.size());
+  int c = 0;
+  for (const lanc::Closure& closure : set.closures) {
+    closures_[c].row = closure.row, closures_[c].rows = closure.conditions().count;
+    for (const int body : {closure.body_a, closure.body_b})
+      if (body == ground)
+        closures_[c].grounded = true;
+      else
+        meet(c, body);
+    ++c;
+  }
+  for (const Coupler& coupler : set.couplers) {
+    closures_[c].row = coupler.row, closures_[c].rows = 1;
+    for (const Coupler::Term& term : coupler.terms) {
+      const int body = model.body_of_velocity(term.v);
+      meet(c, body);
+      insert(couplers_on_[body], c);
+    }
+    closures_[c].velocities_left = static_cast<int>(closures_[c].bodies.size());
+    ++c;
+  }
+  for (int i = 0; i < model.bodies(); ++i) consider(i);
+  for (c = 0; c < closures(); ++c) consider(-1 - c);
+}
+
+bool QuotientGraph::admitted(int node) const {
+  if (node >= 0) return !body_gone_[node] && bodies_[node].children_left == 0;
+  const Closure& c = closures_[-1 - node];
+  return !closure_gone_[-1 - node] && c.velocities_left == 0 &&
+         c.bodies.size() + static_cast<std::size_t>(c.grounded) <= 1;
+}
+
+int QuotientGraph::degree(int node) const {
+  int rows = 0;
+  for (const int c : node >= 0 ? bodies_[node].closures : closures_[-1 - node].closures) rows += closures_[c].rows;
+  constexpr int of_body = 6;
+  if (node < 0 && !closures_[-1 - node].bodies.empty()) rows += of_body;
+  return rows;
+}
+
+bool QuotientGraph::next(int& node) {
+  while (!queue_.empty()) {
+    const auto [key, candidate] = queue_.top();
+    queue_.pop();
+    if (!admitted(candidate)) continue;
+    if (const int now = degree(candidate); now != key) {  // degrees may have changed since
+      if (now > key) {
+        queue_.emplace(now, candidate);
+        continue;
+      }
+    }
+    node = candidate;
+    return true;
+  }
+  return false;
+}
+
+void QuotientGraph::eliminate_body(int i) {
+  body_gone_[i] = true;
+  const int parent = model_.link(i).parent;
+  if (parent != ground) --bodies_[parent].children_left;
+  for (const int c : couplers_on_[i]) --closures_[c].velocities_left;
+  const Set& around = bodies_[i].closures;
+  for (const int c : around) {
+    erase(closures_[c].bodies, i);
+    if (parent == ground)
+      closures_[c].grounded = true;
+    else
+      meet(c, parent);
+    for (const int d : around)
+      if (d != c) insert(closures_[c].closures, d);
+  }
+  for (const int c : around) consider(-1 - c);
+  if (parent != ground) consider(parent);
+}
+
+void QuotientGraph::eliminate_closure(int c) {
+  closure_gone_[c] = true;
+  const Set around = closures_[c].closures;
+  const Set& bodies = closures_[c].bodies;
+  for (const int i : bodies) erase(bodies_[i].closures, c);
+  for (const int d : around) {
+    erase(closures_[d].closures, c);
+    for (const int e : around)
+      if (e != d) insert(closures_[d].closures, e);
+    for (const int i : bodies) meet(d, i);
+    if (closures_[c].grounded) closures_[d].grounded = true;
+  }
+  for (const int d : around) consider(-1 - d);
+  for (const int i : bodies) consider(i);
+}
+
+/// Runs the elimination and writes down what the numeric one does. Two passes: places in the Delassus matrix and in the
+/// columns of a body are known only when it is known what they ever meet.
+class Planner {
+ public:
+  Planner(const Model& model, EliminationPlan& plan) : model_(model), plan_(plan), graph_(model) {}
+  void run();
+
+ private:
+  void lay_out_columns();
+  void lay_out_panels();
+  void write_body(int i);
+  void write_closure(int c);
+  Range write_meetings(const Set& around, const std::vector<int>& columns);
+  int column_at(int body, int closure) const;
+
+  const Model& model_;
+  EliminationPlan& plan_;
+  QuotientGraph graph_;
+  std::vector<int> order_;
+  std::vector<Set> body_around_, closure_around_;  // closures met when eliminated
+  std::vector<int> frontier_, position_;           // per closure: the body left, the step it goes
+  std::vector<Set> columns_of_;                    // per body: closures in the order of its columns
+  std::vector<int> first_column_;                  // per body
+  std::vector<int> panel_, stride_;                // per closure
+  std::vector<Set> panel_around_;
+};
+
+void Planner::run() {
+  body_around_.resize(model_.bodies());
+  closure_around_.resize(graph_.closures());
+  frontier_.assign(graph_.closures(), -1);
+  position_.assign(graph_.closures(), -1);
+  for (int node = 0; graph_.next(node);) {
+    if (node >= 0) {
+      body_around_[node] = graph_.body(node).closures;
+      graph_.eliminate_body(node);
+    } else {
+      const int c = -1 - node;
+      closure_around_[c] = graph_.closure(c).closures;
+      if (!graph_.closure(c).bodies.empty()) frontier_[c] = graph_.closure(c).bodies.front();
+      position_[c] = static_cast<int>(order_.size());
+      graph_.eliminate_closure(c);
+    }
+    order_.push_back(node);
+  }
+  lay_out_columns();
+  lay_out_panels();
+  for (const int node : order_) {
+    if (node >= 0)
+      write_body(node);
+    else
+      write_closure(-1 - node);
+  }
+}
+
+/// On each body first the closures it meets when it is eliminated, then those that go before it.
+void Planner::lay_out_columns() {
+  columns_of_.resize(model_.bodies());
+  first_column_.resize(model_.bodies());
+  for (const int i : order_) {
+    if (i < 0) continue;
+    Set& columns = columns_of_[i] = body_around_[i];
+    const auto alive = static_cast<std::ptrdiff_t>(columns.size());
+    for (const int c : graph_.body(i).met)
+      if (!std::binary_search(columns.begin(), columns.begin() + alive, c)) columns.push_back(c);
+    first_column_[i] = plan_.columns;
+    for (const int c : columns) plan_.columns += graph_.closure(c).rows;
+  }
+  const ClosureSet& set = model_.closures();
+  plan_.column_of_end_a.assign(set.body_rows, -1), plan_.column_of_end_b.assign(set.body_rows, -1);
+  for (int c = 0; c < static_cast<int>(set.closures.size()); ++c)
+    for (int k = 0; k < graph_.closure(c).rows; ++k) {
+      const Closure& closure = set.closures[c];
+      if (closure.body_a != ground) plan_.column_of_end_a[closure.row + k] = column_at(closure.body_a, c) + k;
+      if (closure.body_b != ground) plan_.column_of_end_b[closure.row + k] = column_at(closure.body_b, c) + k;
+    }
+}
+
+int Planner::column_at(int body, int closure) const {
+  int column = first_column_[body];
+  for (const int c : columns_of_[body]) {
+    if (c == closure) break;
+    column += graph_.closure(c).rows;
+  }
+  return column;
+}
+
+void Planner::lay_out_panels() {
+  panel_.resize(graph_.closures()), stride_.resize(graph_.closures());
+  for (const int node : order_) {
+    if (node >= 0) continue;
+    const int c = -1 - node;
+    panel_[c] = plan_.panel;
+    stride_[c] = graph_.closure(c).rows;
+    for (const int d : closure_around_[c]) stride_[c] += graph_.closure(d).rows;
+    plan_.scratch = std::max(plan_.scratch, stride_[c]);
+    plan_.panel += graph_.closure(c).rows * stride_[c];
+  }
+}
+
+/// All pairs of closures around a node; `columns` of the step where they begin. A pair's block lies in the panel of the
+/// one that goes first.
+Range Planner::write_meetings(const Set& around, const std::vector<int>& columns) {
+  Range range{static_cast<int>(plan_.meetings.size()), 0};
+  for (std::size_t a = 0; a < around.size(); ++a)
+    for (std::size_t b = a; b < around.size(); ++b) {
+      std::size_t first = a, second = b;
+      if (position_[around[first]] > position_[around[second]]) std::swap(first, second);
+      const int c = around[first], d = around[second];
+      int slot = panel_[c];
+      if (c != d) {
+        slot += graph_.closure(c).rows;
+        for (const int e : closure_around_[c]) {
+          if (e == d) break;
+          slot += graph_.closure(e).rows;
+        }
+      }
+      plan_.meetings.push_back(
+          {columns[first], columns[second], graph_.closure(c).rows, graph_.closure(d).rows, slot, stride_[c]});
+      plan_.operations += 2.0 * graph_.closure(c).rows * graph_.closure(d).rows;
+    }
+  range.end = static_cast<int>(plan_.meetings.size());
+  return range;
+}
+
+void Planner::write_body(int i) {
+  const Link& link = model_.link(i);
+  BodyStep step{.body = i, .parent = link.parent, .v = link.v, .nv = link.nv, .first_column = first_column_[i]};
+  step.columns = 0;
+  step.attachments.begin = static_cast<int>(plan_.attachments.size());
+  std::vector<int> columns;
+  for (const int c : body_around_[i]) {
+    const auto& closure = graph_.closure(c);
+    columns.push_back(step.columns);
+    plan_.attachments.push_back(
+        {closure.row, closure.rows, step.columns, link.parent == ground ? -1 : column_at(link.parent, c)});
+    step.columns += closure.rows;
+  }
+  step.attachments.end = static_cast<int>(plan_.attachments.size());
+  const double before = plan_.operations;
+  step.meetings = write_meetings(body_around_[i], columns);
+  plan_.operations += (plan_.operations - before) * (link.nv - 1) + 280 + step.columns * (18.0 + 17 * link.nv);
+  step.terms.begin = static_cast<int>(plan_.terms.size());
+  const ClosureSet& set = model_.closures();
+  for (std::size_t at = 0; at < body_around_[i].size(); ++at) {
+    const int coupler = body_around_[i][at] - static_cast<int>(set.closures.size());
+    if (coupler < 0) continue;
+    for (const Coupler::Term& term : set.couplers[coupler].terms)
+      if (model_.body_of_velocity(term.v) == i)
+        plan_.terms.push_back({term.v - link.v, columns[at], set.couplers[coupler].row, term.factor});
+  }
+  step.terms.end = static_cast<int>(plan_.terms.size());
+  step.responses = plan_.responses;
+  plan_.responses += link.nv * step.columns;
+  plan_.scratch = std::max(plan_.scratch, link.nv * step.columns);
+  plan_.order.push_back(static_cast<int>(plan_.bodies.size()));
+  plan_.bodies.push_back(step);
+}
+
+void Planner::write_closure(int c) {
+  const auto& closure = graph_.closure(c);
+  const int body = frontier_[c];
+  ClosureStep step{.row = closure.row,
+                   .rows = closure.rows,
+                   .panel = panel_[c],
+                   .stride = stride_[c],
+                   .body = body,
+                   .first_column = body < 0 ? -1 : column_at(body, c)};
+  step.attachments.begin = static_cast<int>(plan_.attachments.size());
+  std::vector<int> columns;
+  int column = closure.rows;
+  for (const int d : closure_around_[c]) {
+    columns.push_back(column);
+    plan_.attachments.push_back(
+        {graph_.closure(d).row, graph_.closure(d).rows, column, body < 0 ? -1 : column_at(body, d)});
+    column += graph_.closure(d).rows;
+  }
+  step.attachments.end = static_cast<int>(plan_.attachments.size());
+  const double before = plan_.operations;
+  step.meetings = write_meetings(closure_around_[c], columns);
+  plan_.operations += (plan_.operations - before) * (closure.rows - 1) + closure.rows * (stride_[c] * 10.0 + 42);
+  plan_.order.push_back(-1 - static_cast<int>(plan_.closures.size()));
+  plan_.closures.push_back(step);
+}
+
+}  // namespace
+
+EliminationPlan::EliminationPlan(const Model& model) { Planner(model, *this).run(); }
+
+}  // namespace lanc
