@@ -34,7 +34,7 @@ class QuotientGraph {
     bool grounded = false;    // one side of its loop is gone down to the ground
   };
 
-  explicit QuotientGraph(const Model& model);
+  QuotientGraph(const Model& model, EliminationRule rule);
 
   /// Nodes that may be eliminated, of least degree first: body i or −1 − closure.
   bool next(int& node);
@@ -58,6 +58,7 @@ class QuotientGraph {
   }
 
   const Model& model_;
+  EliminationRule rule_;
   std::vector<Body> bodies_;
   std::vector<Closure> closures_;
   std::vector<char> body_gone_, closure_gone_;
@@ -65,8 +66,8 @@ class QuotientGraph {
   std::priority_queue<std::pair<int, int>, std::vector<std::pair<int, int>>, std::greater<>> queue_;
 };
 
-QuotientGraph::QuotientGraph(const Model& model)
-    : model_(model), bodies_(model.bodies()), body_gone_(model.bodies()), couplers_on_(model.bodies()) {
+QuotientGraph::QuotientGraph(const Model& model, EliminationRule rule)
+    : model_(model), rule_(rule), bodies_(model.bodies()), body_gone_(model.bodies()), couplers_on_(model.bodies()) {
   for (const Link& link : model.links())
     if (link.parent != ground) ++bodies_[link.parent].children_left;
   const ClosureSet& set = model.closures();
@@ -99,8 +100,8 @@ QuotientGraph::QuotientGraph(const Model& model)
 bool QuotientGraph::admitted(int node) const {
   if (node >= 0) return !body_gone_[node] && bodies_[node].children_left == 0;
   const Closure& c = closures_[-1 - node];
-  return !closure_gone_[-1 - node] && c.velocities_left == 0 &&
-         c.bodies.size() + static_cast<std::size_t>(c.grounded) <= 1;
+  const bool all = c.grounded || rule_ == EliminationRule::bodies_first;
+  return !closure_gone_[-1 - node] && c.velocities_left == 0 && c.bodies.size() <= (all ? 0u : 1u);
 }
 
 int QuotientGraph::degree(int node) const {
@@ -167,15 +168,18 @@ void QuotientGraph::eliminate_closure(int c) {
 /// columns of a body are known only when it is known what they ever meet.
 class Planner {
  public:
-  Planner(const Model& model, EliminationPlan& plan) : model_(model), plan_(plan), graph_(model) {}
+  Planner(const Model& model, EliminationRule rule, EliminationPlan& plan)
+      : model_(model), plan_(plan), graph_(model, rule) {}
   void run();
 
  private:
   void lay_out_columns();
-  void lay_out_panels();
+  void lay_out_blocks();
+  int block_of(int first, int second) const;
   void write_body(int i);
   void write_closure(int c);
-  Range write_meetings(const Set& around, const std::vector<int>& columns);
+  Range write_meetings(const Set& around, const std::vector<int>& places);
+  int rows_each(const Set& closures) const;
   int column_at(int body, int closure) const;
 
   const Model& model_;
@@ -186,8 +190,7 @@ class Planner {
   std::vector<int> frontier_, position_;           // per closure: the body left, the step it goes
   std::vector<Set> columns_of_;                    // per body: closures in the order of its columns
   std::vector<int> first_column_;                  // per body
-  std::vector<int> panel_, stride_;                // per closure
-  std::vector<Set> panel_around_;
+  std::vector<int> block_;                         // per closure, of it with itself
 };
 
 void Planner::run() {
@@ -209,7 +212,7 @@ void Planner::run() {
     order_.push_back(node);
   }
   lay_out_columns();
-  lay_out_panels();
+  lay_out_blocks();
   for (const int node : order_) {
     if (node >= 0)
       write_body(node);
@@ -250,42 +253,52 @@ int Planner::column_at(int body, int closure) const {
   return column;
 }
 
-void Planner::lay_out_panels() {
-  panel_.resize(graph_.closures()), stride_.resize(graph_.closures());
+/// The blocks of a closure with itself and with those it meets stand one behind the other.
+void Planner::lay_out_blocks() {
+  block_.resize(graph_.closures());
   for (const int node : order_) {
     if (node >= 0) continue;
-    const int c = -1 - node;
-    panel_[c] = plan_.panel;
-    stride_[c] = graph_.closure(c).rows;
-    for (const int d : closure_around_[c]) stride_[c] += graph_.closure(d).rows;
-    plan_.scratch = std::max(plan_.scratch, stride_[c]);
-    plan_.panel += graph_.closure(c).rows * stride_[c];
+    const int c = -1 - node, rows = graph_.closure(c).rows;
+    block_[c] = plan_.delassus;
+    plan_.delassus += rows * rows;
+    for (const int d : closure_around_[c]) plan_.delassus += rows * graph_.closure(d).rows;
   }
 }
 
-/// All pairs of closures around a node; `columns` of the step where they begin. A pair's block lies in the panel of the
-/// one that goes first.
-Range Planner::write_meetings(const Set& around, const std::vector<int>& columns) {
+/// `first` goes before `second`, or is it.
+int Planner::block_of(int first, int second) const {
+  const int rows = graph_.closure(first).rows;
+  int block = block_[first];
+  if (first == second) return block;
+  block += rows * rows;
+  for (const int d : closure_around_[first]) {
+    if (d == second) break;
+    block += rows * graph_.closure(d).rows;
+  }
+  return block;
+}
+
+/// All pairs of closures around a node; `places`: columns or blocks of the step.
+Range Planner::write_meetings(const Set& around, const std::vector<int>& places) {
   Range range{static_cast<int>(plan_.meetings.size()), 0};
   for (std::size_t a = 0; a < around.size(); ++a)
     for (std::size_t b = a; b < around.size(); ++b) {
-      std::size_t first = a, second = b;
-      if (position_[around[first]] > position_[around[second]]) std::swap(first, second);
+      const bool swap = position_[around[a]] > position_[around[b]];
+      const std::size_t first = swap ? b : a, second = swap ? a : b;
       const int c = around[first], d = around[second];
-      int slot = panel_[c];
-      if (c != d) {
-        slot += graph_.closure(c).rows;
-        for (const int e : closure_around_[c]) {
-          if (e == d) break;
-          slot += graph_.closure(e).rows;
-        }
-      }
-      plan_.meetings.push_back(
-          {columns[first], columns[second], graph_.closure(c).rows, graph_.closure(d).rows, slot, stride_[c]});
-      plan_.operations += 2.0 * graph_.closure(c).rows * graph_.closure(d).rows;
+      const int rows = graph_.closure(c).rows, columns = graph_.closure(d).rows;
+      plan_.meetings.push_back({places[first], places[second], rows, columns, block_of(c, d)});
     }
   range.end = static_cast<int>(plan_.meetings.size());
   return range;
+}
+
+/// The number of rows of all of them, or 0.
+int Planner::rows_each(const Set& closures) const {
+  const int rows = closures.empty() ? 0 : graph_.closure(closures.front()).rows;
+  for (const int c : closures)
+    if (graph_.closure(c).rows != rows) return 0;
+  return rows;
 }
 
 void Planner::write_body(int i) {
@@ -298,13 +311,13 @@ void Planner::write_body(int i) {
     const auto& closure = graph_.closure(c);
     columns.push_back(step.columns);
     plan_.attachments.push_back(
-        {closure.row, closure.rows, step.columns, link.parent == ground ? -1 : column_at(link.parent, c)});
+        {closure.row, closure.rows, step.columns, -1, link.parent == ground ? -1 : column_at(link.parent, c)});
     step.columns += closure.rows;
   }
   step.attachments.end = static_cast<int>(plan_.attachments.size());
-  const double before = plan_.operations;
+  step.rows_each = rows_each(body_around_[i]);
   step.meetings = write_meetings(body_around_[i], columns);
-  plan_.operations += (plan_.operations - before) * (link.nv - 1) + 280 + step.columns * (18.0 + 17 * link.nv);
+  plan_.operations += 180 + step.columns * (18.0 + link.nv * (17 + step.columns));
   step.terms.begin = static_cast<int>(plan_.terms.size());
   const ClosureSet& set = model_.closures();
   for (std::size_t at = 0; at < body_around_[i].size(); ++at) {
@@ -317,39 +330,42 @@ void Planner::write_body(int i) {
   step.terms.end = static_cast<int>(plan_.terms.size());
   step.responses = plan_.responses;
   plan_.responses += link.nv * step.columns;
-  plan_.scratch = std::max(plan_.scratch, link.nv * step.columns);
+  plan_.most_responses = std::max(plan_.most_responses, link.nv * step.columns);
   plan_.order.push_back(static_cast<int>(plan_.bodies.size()));
   plan_.bodies.push_back(step);
 }
 
 void Planner::write_closure(int c) {
   const auto& closure = graph_.closure(c);
-  const int body = frontier_[c];
+  const int body = frontier_[c], m = closure.rows;
   ClosureStep step{.row = closure.row,
-                   .rows = closure.rows,
-                   .panel = panel_[c],
-                   .stride = stride_[c],
+                   .rows = m,
+                   .block = block_[c],
+                   .weights = plan_.weights,
                    .body = body,
                    .first_column = body < 0 ? -1 : column_at(body, c)};
+  plan_.weights += m * m;
+  Set all = closure_around_[c];
+  insert(all, c);
+  step.rows_each = rows_each(all);
   step.attachments.begin = static_cast<int>(plan_.attachments.size());
-  std::vector<int> columns;
-  int column = closure.rows;
+  std::vector<int> blocks;
+  int columns = m;
   for (const int d : closure_around_[c]) {
-    columns.push_back(column);
+    blocks.push_back(block_of(c, d));
     plan_.attachments.push_back(
-        {graph_.closure(d).row, graph_.closure(d).rows, column, body < 0 ? -1 : column_at(body, d)});
-    column += graph_.closure(d).rows;
+        {graph_.closure(d).row, graph_.closure(d).rows, -1, blocks.back(), body < 0 ? -1 : column_at(body, d)});
+    columns += graph_.closure(d).rows;
   }
   step.attachments.end = static_cast<int>(plan_.attachments.size());
-  const double before = plan_.operations;
-  step.meetings = write_meetings(closure_around_[c], columns);
-  plan_.operations += (plan_.operations - before) * (closure.rows - 1) + closure.rows * (stride_[c] * 10.0 + 42);
+  step.meetings = write_meetings(closure_around_[c], blocks);
+  plan_.operations += m * columns * (2.0 * m + columns + (body < 0 ? 0 : 12)) + (body < 0 ? 0 : 42 * m);
   plan_.order.push_back(-1 - static_cast<int>(plan_.closures.size()));
   plan_.closures.push_back(step);
 }
 
 }  // namespace
 
-EliminationPlan::EliminationPlan(const Model& model) { Planner(model, *this).run(); }
+EliminationPlan::EliminationPlan(const Model& model, EliminationRule rule) { Planner(model, rule, *this).run(); }
 
 }  // namespace lanc

@@ -8,18 +8,19 @@
 
 namespace lanc {
 
-/// The rows of one closure among the columns of a step.
+/// A closure that a step meets.
 struct Attachment {
   int row, rows;  // of the closure conditions
-  int column;     // of its first row among the columns of the step
+  int column;     // of a body's step: of its first row among the columns of the step
+  int block;      // of a closure's step: where the two meet in the Delassus matrix, rows of the step by `rows`
   int to;         // its columns on the body that is left: index in the array of all columns, or −1 for the ground
 };
 
-/// Where two attachments of a step meet in the Delassus matrix: rows × columns entries of it at `slot`, `stride` apart.
+/// Where two attachments of a step meet in the Delassus matrix.
 struct Meeting {
-  int first, second;  // columns of the step
-  int rows, columns;
-  int slot, stride;
+  int first, second;  // of a body's step: columns; of a closure's: blocks
+  int first_rows, second_rows;
+  int block;  // first_rows × second_rows numbers, row by row
 };
 
 /// A coupler acts on a velocity of the body that is eliminated.
@@ -40,16 +41,24 @@ struct BodyStep {
   int v, nv;
   int first_column, columns;  // in the array of all columns
   int responses;              // of C_kᵀ e / N_k, nv × columns, in the array of all responses
+  int rows_each;              // of every attachment, or 0 where they differ
   Range attachments, meetings, terms;
 };
 
-/// A closure leaves: `rows` rows of the Delassus matrix at `panel`, `stride` apart; first its own columns, then those
-/// of the closures it meets. All bodies on its loop are gone but one, `body`; with it, the columns at `first_column`.
+/// A closure leaves. All bodies on its loop are gone but one, `body`; its columns there are at `first_column`.
 struct ClosureStep {
   int row, rows;
-  int panel, stride;
+  int block;               // of the closure with itself
+  int weights;             // rows × rows numbers of its factor, in an array of their own
   int body, first_column;  // −1: all is gone
+  int rows_each;           // of itself and every attachment, or 0 where they differ
   Range attachments, meetings;
+};
+
+/// When a closure may go.
+enum class EliminationRule : unsigned char {
+  path,         // after every body on its loop but the one nearest to the root
+  bodies_first  // after every body from it to the ground: fills, and needs nothing of the rows but independence
 };
 
 /// Symbolic elimination of a model, made once.
@@ -69,13 +78,13 @@ struct EliminationPlan {
   std::vector<Attachment> attachments;
   std::vector<Meeting> meetings;
   std::vector<DirectTerm> terms;
-  std::vector<int> column_of_end_a,
-      column_of_end_b;                        // per closure row on bodies, in the array of all columns; −1 ground
-  int columns = 0, responses = 0, panel = 0;  // sizes of the numeric arrays
-  int scratch = 0;                            // most responses, or columns of a panel, of one step
-  double operations = 0;                      // about, of one factorisation
+  std::vector<int> column_of_end_a;  // per closure row on bodies: its own on body a in the array of all columns, or −1
+  std::vector<int> column_of_end_b;
+  int columns = 0, responses = 0, delassus = 0, weights = 0;  // sizes of the numeric arrays
+  int most_responses = 0;                                     // of one step
+  double operations = 0;                                      // about, of one factorisation
 
-  explicit EliminationPlan(const Model& model);
+  explicit EliminationPlan(const Model& model, EliminationRule rule = EliminationRule::path);
 };
 
 }  // namespace lanc

@@ -1,0 +1,225 @@
+#include "formulations/recursive-loops/loop_factors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formulations/recursive-loops/free_delassus.h"
+
+namespace lanc {
+namespace {
+
+/// Pivots below this part of what the bodies alone would make of them are rounding errors: 1e-16 times what elimination
+/// magnifies them by. States are assembled to 1e-12, which shows squared.
+constexpr double vanishing_pivot = 1e-13;
+constexpr int most_rows = 6;  // of a closure
+
+}  // namespace
+
+template <class S>
+LoopFactors<S>::LoopFactors(const Model& model, EliminationRule rule)
+    : model_(model),
+      plan_(model, rule),
+      free_(free_delassus_diagonal(model)),
+      star_(model.bodies()),
+      freedoms_(model.nv()),
+      columns_(plan_.columns),
+      responses_(plan_.responses),
+      scratch_(plan_.most_responses),
+      delassus_(plan_.delassus),
+      weights_(plan_.weights),
+      inverse_(model.closures().rows()),
+      taken_(model.closures().rows()) {}
+
+template <class S>
+bool LoopFactors<S>::factorise(const System<S>& system, std::span<const char> counts) {
+  start(system);
+  for (const int at : plan_.order) {
+    if (at >= 0) {
+      eliminate_body(system, plan_.bodies[at]);
+      continue;
+    }
+    const ClosureStep& step = plan_.closures[-1 - at];
+    bool regular = false;
+    with_rows(step.rows_each, [&](auto rows) {
+      regular = find_pivots<rows>(step, counts);
+      if (regular) eliminate_closure<rows>(step);
+    });
+    if (!regular) return false;
+  }
+  return true;
+}
+
+template <class S>
+void LoopFactors<S>::start(const System<S>& system) {
+  for (std::size_t i = 0; i < star_.size(); ++i) star_[i] = expanded(system.bodies[i].inertia);
+  const S o(0.0);
+  std::fill(columns_.begin(), columns_.end(), Wrench<S>{{o, o, o}, {o, o, o}});
+  for (std::size_t k = 0; k < plan_.column_of_end_a.size(); ++k) {
+    if (const int at = plan_.column_of_end_a[k]; at >= 0) columns_[at] = system.closure_rows[k].a;
+    if (const int at = plan_.column_of_end_b[k]; at >= 0) columns_[at] += system.closure_rows[k].b;
+  }
+  std::fill(delassus_.begin(), delassus_.end(), o);
+  std::fill(taken_.begin(), taken_.end(), o);
+  dropped_ = 0;
+}
+
+template <class S>
+void LoopFactors<S>::eliminate_body(const System<S>& system, const BodyStep& step) {
+  ArticulatedInertia<S> rest = star_[step.body];
+  for (int k = step.v; k < step.v + step.nv; ++k) {
+    const ColumnKind kind = model_.column_kind(k);
+    const Wrench<S> U = times_column(rest, kind, system.columns[k]);
+    S N = project(kind, system.columns[k], U);
+    if (model_.has_armature()) N += S(model_.armature()[k]);
+    freedoms_[k].inverse = S(1.0) / N;
+    freedoms_[k].D = U * freedoms_[k].inverse;
+    if (step.parent != ground || k + 1 < step.v + step.nv) subtract_outer(rest, freedoms_[k].D, U);
+  }
+  if (step.parent != ground) add(star_[step.parent], moved_inward(system.bodies[step.body].r, rest));
+  if (step.columns > 0) with_rows(step.rows_each, [&](auto rows) { eliminate_columns<rows>(system, step); });
+}
+
+template <class S>
+template <int fixed>
+void LoopFactors<S>::eliminate_columns(const System<S>& system, const BodyStep& step) {
+  const int w = step.columns;
+  const Vec3<S> r = system.bodies[step.body].r;
+  const bool direct = step.terms.begin < step.terms.end;  // couplers act on its velocities
+  S* const u = scratch_.data();
+  if (direct) std::fill_n(u, step.nv * w, S(0.0));
+  for (int t = step.terms.begin; t < step.terms.end; ++t)
+    u[plan_.terms[t].freedom * w + plan_.terms[t].column] += S(plan_.terms[t].factor);
+  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
+    const Attachment& a = plan_.attachments[at];
+    for (int x = 0; x < (fixed ? fixed : a.rows); ++x) {
+      Wrench<S> e = columns_[step.first_column + a.column + x];
+      for (int k = 0; k < step.nv; ++k) {
+        const Freedom& freedom = freedoms_[step.v + k];
+        const int here = k * w + a.column + x;
+        S along = project(model_.column_kind(step.v + k), system.columns[step.v + k], e);
+        if (direct) along += u[here];
+        u[here] = along;
+        responses_[step.responses + here] = along * freedom.inverse;
+        if (a.to >= 0 || k + 1 < step.nv) e -= freedom.D * along;
+      }
+      if (a.to >= 0) columns_[a.to + x] += moved_inward(r, e);
+    }
+  }
+  for (int m = step.meetings.begin; m < step.meetings.end; ++m) {
+    const Meeting& both = plan_.meetings[m];
+    const int rows = fixed ? fixed : both.first_rows, columns = fixed ? fixed : both.second_rows;
+    S* const block = delassus_.data() + both.block;
+    for (int k = 0; k < step.nv; ++k) {
+      const S* const first = u + k * w + both.first;
+      const S* const second = responses_.data() + step.responses + k * w + both.second;
+      for (int x = 0; x < rows; ++x)
+        for (int y = 0; y < columns; ++y) block[x * columns + y] += first[x] * second[y];
+    }
+  }
+}
+
+/// W and D⁻¹ with W S_cc Wᵀ = D.
+template <class S>
+template <int fixed>
+bool LoopFactors<S>::find_pivots(const ClosureStep& step, std::span<const char> counts) {
+  const int m = fixed ? fixed : step.rows;
+  S rest[most_rows][most_rows], W[most_rows][most_rows];
+  bool left[most_rows];
+  for (int r = 0; r < m; ++r) {
+    left[r] = counts.empty() || counts[step.row + r];
+    inverse_[step.row + r] = S(0.0);
+    for (int x = 0; x < m; ++x) rest[r][x] = delassus_[step.block + r * m + x], W[r][x] = S(r == x ? 1.0 : 0.0);
+  }
+  int found = 0, wanted = 0;
+  for (int r = 0; r < m; ++r) wanted += left[r];
+  for (; found < wanted; ++found) {
+    int best = -1;
+    double largest = vanishing_pivot;
+    for (int r = 0; r < m; ++r) {
+      if (!left[r]) continue;
+      const double pivot = to_double(rest[r][r]);
+      const double size = std::max(free_[step.row + r], pivot + to_double(taken_[step.row + r]));
+      if (!(pivot >= -vanishing_pivot * size && pivot < 1e300)) return false;
+      if (pivot > largest * size) largest = pivot / size, best = r;
+    }
+    if (best < 0) break;
+    left[best] = false;
+    const S inverse = inverse_[step.row + best] = S(1.0) / rest[best][best];
+    for (int r = 0; r < m; ++r) {
+      if (!left[r]) continue;
+      const S factor = rest[r][best] * inverse;
+      for (int x = 0; x < m; ++x) rest[r][x] -= factor * rest[best][x], W[r][x] -= factor * W[best][x];
+    }
+  }
+  dropped_ += m - found;
+  for (int r = 0; r < m; ++r)
+    for (int x = 0; x < m; ++x) weights_[step.weights + r * m + x] = W[r][x];
+  return counts.empty() || found == wanted;
+}
+
+template <class S>
+template <int fixed>
+void LoopFactors<S>::eliminate_closure(const ClosureStep& step) {
+  const int m = fixed ? fixed : step.rows;
+  const S* const W = weights(step);
+  const S* const inverse = inverse_.data() + step.row;
+  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
+    const Attachment& a = plan_.attachments[at];
+    const int columns = fixed ? fixed : a.rows;
+    S* const T = delassus_.data() + a.block;
+    S before[most_rows * most_rows];
+    std::copy_n(T, m * columns, before);
+    for (int y = 0; y < columns; ++y) {
+      S taken(0.0);
+      for (int r = 0; r < m; ++r) {
+        S t = W[r * m] * before[y];
+        for (int x = 1; x < m; ++x) t += W[r * m + x] * before[x * columns + y];
+        T[r * columns + y] = t;
+        taken += t * t * inverse[r];
+      }
+      taken_[a.row + y] += taken;
+    }
+  }
+  for (int at = step.meetings.begin; at < step.meetings.end; ++at) {
+    const Meeting& both = plan_.meetings[at];
+    const int rows = fixed ? fixed : both.first_rows, columns = fixed ? fixed : both.second_rows;
+    const S* const first = delassus_.data() + both.first;
+    const S* const second = delassus_.data() + both.second;
+    S* const block = delassus_.data() + both.block;
+    for (int x = 0; x < rows; ++x)
+      for (int r = 0; r < m; ++r) {
+        const S t = first[r * rows + x] * inverse[r];
+        for (int y = 0; y < columns; ++y) block[x * columns + y] -= t * second[r * columns + y];
+      }
+  }
+  if (step.body >= 0) hand_to_body<fixed>(step);
+}
+
+template <class S>
+template <int fixed>
+void LoopFactors<S>::hand_to_body(const ClosureStep& step) {
+  const int m = fixed ? fixed : step.rows;
+  const S* const W = weights(step);
+  const S* const inverse = inverse_.data() + step.row;
+  Wrench<S>* const E = columns_.data() + step.first_column;
+  Wrench<S> before[most_rows];
+  std::copy_n(E, m, before);
+  for (int r = 0; r < m; ++r) {
+    E[r] = before[0] * W[r * m];
+    for (int x = 1; x < m; ++x) E[r] += before[x] * W[r * m + x];
+    subtract_outer(star_[step.body], E[r] * -inverse[r], E[r]);
+  }
+  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
+    const Attachment& a = plan_.attachments[at];
+    const int columns = fixed ? fixed : a.rows;
+    const S* const T = delassus_.data() + a.block;
+    for (int y = 0; y < columns; ++y)
+      for (int r = 0; r < m; ++r) columns_[a.to + y] -= E[r] * (T[r * columns + y] * inverse[r]);
+  }
+}
+
+template class LoopFactors<double>;
+template class LoopFactors<long double>;
+template class LoopFactors<Count>;
+
+}  // namespace lanc
