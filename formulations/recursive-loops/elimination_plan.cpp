@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <queue>
-#include <set>
+#include <utility>
 
 namespace lanc {
 namespace {
@@ -189,6 +189,7 @@ class Planner {
   std::vector<Set> body_around_, closure_around_;  // closures met when eliminated
   std::vector<int> frontier_, position_;           // per closure: the body left, the step it goes
   std::vector<Set> columns_of_;                    // per body: closures in the order of its columns
+  std::vector<char> touched_;                      // per body: something was handed to its inertia
   std::vector<int> first_column_;                  // per body
   std::vector<int> block_;                         // per closure, of it with itself
 };
@@ -211,6 +212,7 @@ void Planner::run() {
     }
     order_.push_back(node);
   }
+  touched_.resize(model_.bodies());
   lay_out_columns();
   lay_out_blocks();
   for (const int node : order_) {
@@ -316,6 +318,8 @@ void Planner::write_body(int i) {
   }
   step.attachments.end = static_cast<int>(plan_.attachments.size());
   step.rows_each = rows_each(body_around_[i]);
+  step.untouched = !touched_[i];
+  if (link.parent != ground) step.first_to_parent = !std::exchange(touched_[link.parent], true);
   step.meetings = write_meetings(body_around_[i], columns);
   plan_.operations += 180 + step.columns * (18.0 + link.nv * (17 + step.columns));
   step.terms.begin = static_cast<int>(plan_.terms.size());
@@ -348,6 +352,7 @@ void Planner::write_closure(int c) {
   Set all = closure_around_[c];
   insert(all, c);
   step.rows_each = rows_each(all);
+  if (body >= 0) step.first_to_body = !std::exchange(touched_[body], true);
   step.attachments.begin = static_cast<int>(plan_.attachments.size());
   std::vector<int> blocks;
   int columns = m;

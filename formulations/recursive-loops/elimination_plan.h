@@ -42,6 +42,8 @@ struct BodyStep {
   int first_column, columns;  // in the array of all columns
   int responses;              // of C_kᵀ e / N_k, nv × columns, in the array of all responses
   int rows_each;              // of every attachment, or 0 where they differ
+  bool untouched;             // nothing was handed to its inertia before
+  bool first_to_parent;       // nor to that of the parent
   Range attachments, meetings, terms;
 };
 
@@ -52,6 +54,7 @@ struct ClosureStep {
   int weights;             // rows × rows numbers of its factor, in an array of their own
   int body, first_column;  // −1: all is gone
   int rows_each;           // of itself and every attachment, or 0 where they differ
+  bool first_to_body;      // nothing was handed to its inertia before
   Range attachments, meetings;
 };
 

@@ -28,7 +28,9 @@ LoopFactors<S>::LoopFactors(const Model& model, EliminationRule rule)
       delassus_(plan_.delassus),
       weights_(plan_.weights),
       inverse_(model.closures().rows()),
-      taken_(model.closures().rows()) {}
+      taken_(model.closures().rows()) {
+  for (int k = 0; k < model.nv(); ++k) kinds_.push_back(model.column_kind(k));
+}
 
 template <class S>
 bool LoopFactors<S>::factorise(const System<S>& system, std::span<const char> counts) {
@@ -51,7 +53,6 @@ bool LoopFactors<S>::factorise(const System<S>& system, std::span<const char> co
 
 template <class S>
 void LoopFactors<S>::start(const System<S>& system) {
-  for (std::size_t i = 0; i < star_.size(); ++i) star_[i] = expanded(system.bodies[i].inertia);
   const S o(0.0);
   std::fill(columns_.begin(), columns_.end(), Wrench<S>{{o, o, o}, {o, o, o}});
   for (std::size_t k = 0; k < plan_.column_of_end_a.size(); ++k) {
@@ -65,17 +66,27 @@ void LoopFactors<S>::start(const System<S>& system) {
 
 template <class S>
 void LoopFactors<S>::eliminate_body(const System<S>& system, const BodyStep& step) {
-  ArticulatedInertia<S> rest = star_[step.body];
+  ArticulatedInertia<S>& M = star_[step.body];
+  if (step.untouched)
+    M = expanded(system.bodies[step.body].inertia);
+  else
+    add(M, system.bodies[step.body].inertia);
+  ArticulatedInertia<S> rest = M;
   for (int k = step.v; k < step.v + step.nv; ++k) {
-    const ColumnKind kind = model_.column_kind(k);
-    const Wrench<S> U = times_column(rest, kind, system.columns[k]);
-    S N = project(kind, system.columns[k], U);
+    const ColumnKind structure = kind(k);
+    const Wrench<S> U = times_column(rest, structure, system.columns[k]);
+    S N = project(structure, system.columns[k], U);
     if (model_.has_armature()) N += S(model_.armature()[k]);
     freedoms_[k].inverse = S(1.0) / N;
     freedoms_[k].D = U * freedoms_[k].inverse;
     if (step.parent != ground || k + 1 < step.v + step.nv) subtract_outer(rest, freedoms_[k].D, U);
   }
-  if (step.parent != ground) add(star_[step.parent], moved_inward(system.bodies[step.body].r, rest));
+  if (step.parent != ground) {
+    if (step.first_to_parent)
+      star_[step.parent] = moved_inward(system.bodies[step.body].r, rest);
+    else
+      add(star_[step.parent], moved_inward(system.bodies[step.body].r, rest));
+  }
   if (step.columns > 0) with_rows(step.rows_each, [&](auto rows) { eliminate_columns<rows>(system, step); });
 }
 
@@ -96,7 +107,7 @@ void LoopFactors<S>::eliminate_columns(const System<S>& system, const BodyStep& 
       for (int k = 0; k < step.nv; ++k) {
         const Freedom& freedom = freedoms_[step.v + k];
         const int here = k * w + a.column + x;
-        S along = project(model_.column_kind(step.v + k), system.columns[step.v + k], e);
+        S along = project(kind(step.v + k), system.columns[step.v + k], e);
         if (direct) along += u[here];
         u[here] = along;
         responses_[step.responses + here] = along * freedom.inverse;
@@ -204,6 +215,7 @@ void LoopFactors<S>::hand_to_body(const ClosureStep& step) {
   Wrench<S>* const E = columns_.data() + step.first_column;
   Wrench<S> before[most_rows];
   std::copy_n(E, m, before);
+  if (step.first_to_body) star_[step.body] = expanded(RigidInertia<S>());
   for (int r = 0; r < m; ++r) {
     E[r] = before[0] * W[r * m];
     for (int x = 1; x < m; ++x) E[r] += before[x] * W[r * m + x];

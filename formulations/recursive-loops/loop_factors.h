@@ -52,6 +52,7 @@ class LoopFactors {
   const EliminationPlan& plan() const { return plan_; }
   /// Rows without a multiplier in the last factorisation.
   int dropped() const { return dropped_; }
+  ColumnKind kind(int k) const { return kinds_[k]; }
   const ArticulatedInertia<S>& star(int body) const { return star_[body]; }
   const Freedom& freedom(int k) const { return freedoms_[k]; }
   const Wrench<S>* columns(int at) const { return columns_.data() + at; }  // e; of an eliminated closure E
@@ -79,6 +80,7 @@ class LoopFactors {
   std::vector<double> free_;                 // per row: about S_rr, were the bodies it acts on free
   std::vector<ArticulatedInertia<S>> star_;  // M*
   std::vector<Freedom> freedoms_;
+  std::vector<ColumnKind> kinds_;
   std::vector<Wrench<S>> columns_;
   std::vector<S> responses_, scratch_;
   std::vector<S> delassus_;

@@ -26,10 +26,10 @@ void LoopSubstitution<S>::solve(const LoopFactors<S>& factors, const System<S>& 
   const Task task{factors, system, rhs, solution};
   load_ = rhs.force;
   gamma_ = rhs.closure;
+  if (!factors.model().has_closures()) return sweep<Pass::only>(task);
   sweep<Pass::first>(task);
-  if (!factors.model().has_closures()) return;
   solution.lambda = lambda_;
-  residual_of_closures(task);
+  residual_of_bodies_and_closures(task);
   sweep<Pass::correction>(task);
   for (std::size_t k = 0; k < lambda_.size(); ++k) solution.lambda[k] += lambda_[k];
 }
@@ -40,17 +40,18 @@ void LoopSubstitution<S>::sweep(const Task& task) {
   const EliminationPlan& plan = task.factors.plan();
   for (const int at : plan.order) {
     if (at >= 0) {
-      load_of<pass>(task, plan.bodies[at]);
-      forward_body<pass>(task, plan.bodies[at]);
+      const BodyStep& step = plan.bodies[at];
+      with_rows(step.rows_each, [&](auto rows) { forward_body<pass, rows>(task, step); });
     } else {
       const ClosureStep& step = plan.closures[-1 - at];
       with_rows(step.rows_each, [&](auto rows) { forward_closure<rows>(task.factors, step); });
     }
   }
-  const std::vector<Motion<S>>& a = pass == Pass::first ? task.solution.acceleration : delta_;
+  const std::vector<Motion<S>>& a = pass == Pass::correction ? delta_ : task.solution.acceleration;
   for (auto at = plan.order.rbegin(); at != plan.order.rend(); ++at) {
     if (*at >= 0) {
-      backward_body<pass>(task, plan.bodies[*at]);
+      const BodyStep& step = plan.bodies[*at];
+      with_rows(step.rows_each, [&](auto rows) { backward_body<pass, rows>(task, step); });
     } else {
       const ClosureStep& step = plan.closures[-1 - *at];
       with_rows(step.rows_each, [&](auto rows) { backward_closure<rows>(task.factors, step, a); });
@@ -58,12 +59,11 @@ void LoopSubstitution<S>::sweep(const Task& task) {
   }
 }
 
-/// What is left open of the closure conditions, and of the balances of bodies what multipliers do; load_of() does the
-/// rest of the residual on the way.
 template <class S>
-void LoopSubstitution<S>::residual_of_closures(const Task& task) {
+void LoopSubstitution<S>::residual_of_bodies_and_closures(const Task& task) {
   const Solution<S>& x = task.solution;
-  load_ = task.rhs.force;
+  for (std::size_t i = 0; i < load_.size(); ++i)
+    load_[i] = task.rhs.force[i] - task.system.bodies[i].inertia * x.acceleration[i];
   gamma_ = task.rhs.closure;
   const ClosureSet& set = task.factors.model().closures();
   for (const Closure& c : set.closures)
@@ -76,63 +76,48 @@ void LoopSubstitution<S>::residual_of_closures(const Task& task) {
     for (const Coupler::Term& term : c.terms) gamma_[c.row] += S(term.factor) * x.vdot[term.v];
 }
 
-/// f* of the body: of the loads, or of the residual of its balance, from which its children have taken their wrenches
-/// already, together with what they handed down.
 template <class S>
-template <typename LoopSubstitution<S>::Pass pass>
-void LoopSubstitution<S>::load_of(const Task& task, const BodyStep& step) {
-  const int i = step.body;
-  if constexpr (pass == Pass::correction) {
-    load_[i] += task.solution.wrench[i] - task.system.bodies[i].inertia * task.solution.acceleration[i];
-    return;
-  }
-  const LoopFactors<S>& factors = task.factors;
-  const Motion<S>& bias = task.rhs.bias[i];
-  load_[i] -= factors.star(i) * bias;
-  const Wrench<S>* const e = factors.columns(step.first_column);
-  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
-    const Attachment& a = factors.plan().attachments[at];
-    for (int x = 0; x < a.rows; ++x) gamma_[a.row + x] += dot(bias, e[a.column + x]);
-  }
-}
-
-template <class S>
-template <typename LoopSubstitution<S>::Pass pass>
+template <typename LoopSubstitution<S>::Pass pass, int fixed>
 void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
   const LoopFactors<S>& factors = task.factors;
-  const Model& model = factors.model();
   const EliminationPlan& plan = factors.plan();
-  const Solution<S>& solution = task.solution;
+  const Attachment* const attachments = plan.attachments.data();
+  const Range around = step.attachments;
   const int i = step.body;
+  if constexpr (pass != Pass::correction) {
+    const Motion<S>& bias = task.rhs.bias[i];
+    load_[i] -= factors.star(i) * bias;
+    const Wrench<S>* const e = factors.columns(step.first_column);
+    for (int at = around.begin; at < around.end; ++at) {
+      const Attachment& a = attachments[at];
+      for (int x = 0; x < (fixed ? fixed : a.rows); ++x) gamma_[a.row + x] += dot(bias, e[a.column + x]);
+    }
+  }
+  if (step.parent == ground && step.nv == 0) return;
   Wrench<S> rest = load_[i];
   for (int k = 0; k < step.nv; ++k) {
     const int v = step.v + k;
-    const ColumnKind kind = model.column_kind(v);
-    S torque = task.rhs.tau[v] + project(kind, task.system.columns[v], rest);
+    S torque = task.rhs.tau[v] + project(factors.kind(v), task.system.columns[v], rest);
     if constexpr (pass == Pass::correction) {
-      torque -= project(kind, task.system.columns[v], solution.wrench[i]);
-      if (model.has_armature()) torque -= S(model.armature()[v]) * solution.vdot[v];
+      if (factors.model().has_armature()) torque -= S(factors.model().armature()[v]) * task.solution.vdot[v];
       for (int t = step.terms.begin; t < step.terms.end; ++t)
-        if (plan.terms[t].freedom == k) torque += S(plan.terms[t].factor) * solution.lambda[plan.terms[t].row];
+        if (plan.terms[t].freedom == k) torque += S(plan.terms[t].factor) * task.solution.lambda[plan.terms[t].row];
     }
     start_[v] = torque * factors.freedom(v).inverse;
-    rest -= factors.freedom(v).D * torque;
+    if (step.parent != ground || k + 1 < step.nv) rest -= factors.freedom(v).D * torque;
     const S* const response = factors.responses(step, k);
-    for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
-      const Attachment& a = plan.attachments[at];
-      for (int x = 0; x < a.rows; ++x) gamma_[a.row + x] += response[a.column + x] * torque;
+    for (int at = around.begin; at < around.end; ++at) {
+      const Attachment& a = attachments[at];
+      for (int x = 0; x < (fixed ? fixed : a.rows); ++x) gamma_[a.row + x] += response[a.column + x] * torque;
     }
   }
-  if (step.parent == ground) return;
-  if constexpr (pass == Pass::correction) rest -= solution.wrench[i];
-  load_[step.parent] += moved_inward(task.system.bodies[i].r, rest);
+  if (step.parent != ground) load_[step.parent] += moved_inward(task.system.bodies[i].r, rest);
 }
 
 template <class S>
-template <typename LoopSubstitution<S>::Pass pass>
+template <typename LoopSubstitution<S>::Pass pass, int fixed>
 void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) {
   const LoopFactors<S>& factors = task.factors;
-  const Model& model = factors.model();
   Solution<S>& solution = task.solution;
   const Range around = step.attachments;
   const Attachment* const attachments = factors.plan().attachments.data();
@@ -141,7 +126,7 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
   const bool at_rest = step.parent == ground;
   if (!at_rest)
     a = moved_outward(task.system.bodies[i].r,
-                      pass == Pass::first ? solution.acceleration[step.parent] : delta_[step.parent]);
+                      pass == Pass::correction ? delta_[step.parent] : solution.acceleration[step.parent]);
   for (int k = step.nv - 1; k >= 0; --k) {
     const int v = step.v + k;
     S vdot = start_[v];
@@ -149,28 +134,28 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
     const S* const response = factors.responses(step, k);
     for (int at = around.begin; at < around.end; ++at) {
       const Attachment& m = attachments[at];
-      for (int x = 0; x < m.rows; ++x) vdot += response[m.column + x] * lambda_[m.row + x];
+      for (int x = 0; x < (fixed ? fixed : m.rows); ++x) vdot += response[m.column + x] * lambda_[m.row + x];
     }
-    if constexpr (pass == Pass::first)
-      solution.vdot[v] = vdot;
-    else
+    if constexpr (pass == Pass::correction)
       solution.vdot[v] += vdot;
-    add_along(model.column_kind(v), task.system.columns[v], vdot, a);
+    else
+      solution.vdot[v] = vdot;
+    add_along(factors.kind(v), task.system.columns[v], vdot, a);
   }
+  if constexpr (pass == Pass::correction) {
+    delta_[i] = a;
+    solution.acceleration[i] += a;
+  } else {
+    solution.acceleration[i] = a + task.rhs.bias[i];
+  }
+  if constexpr (pass == Pass::first) return;
   Wrench<S> f = factors.star(i) * a - load_[i];
   const Wrench<S>* const e = factors.columns(step.first_column);
   for (int at = around.begin; at < around.end; ++at) {
     const Attachment& m = attachments[at];
-    for (int x = 0; x < m.rows; ++x) f -= e[m.column + x] * lambda_[m.row + x];
+    for (int x = 0; x < (fixed ? fixed : m.rows); ++x) f -= e[m.column + x] * lambda_[m.row + x];
   }
-  if constexpr (pass == Pass::first) {
-    solution.wrench[i] = f;
-    solution.acceleration[i] = a + task.rhs.bias[i];
-  } else {
-    delta_[i] = a;
-    solution.wrench[i] += f;
-    solution.acceleration[i] += a;
-  }
+  solution.wrench[i] = f;
 }
 
 template <class S>

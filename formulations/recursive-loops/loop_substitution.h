@@ -14,8 +14,10 @@ namespace lanc {
 ///
 ///   f*_p −= Eᵀ g,  γ_d −= T_dᵀ g,       later λ_c = −Wᵀ (g + D⁻¹ (E â_p + Σ T_d λ_d))
 ///
-/// Where loops are closed, one step of refinement with the residual of eq. 14 follows: closures in series lose digits
-/// (3e-8 of a chain of 1000 loops). ā^rel is taken off f* where it arises, as in `recursive`.
+/// Where loops are closed, one step of refinement follows, since closures in series lose digits: the same once more for
+/// the residual of eq. 14 at η̇, λ, the â that follow by (8), and f̂ = 0, which is f̂^tc − M â + G_sᵀ λ of the bodies,
+/// τ − A η̇ + G_ηᵀ λ of the joints and G_s â + G_η η̇ + γ̿ of the closures. It returns corrections, and f̂ itself.
+/// ā^rel is taken off f* where it arises, as in `recursive`.
 template <class S>
 class LoopSubstitution {
  public:
@@ -26,17 +28,15 @@ class LoopSubstitution {
              Solution<S>& solution);
 
  private:
-  enum class Pass : unsigned char { first, correction };
+  enum class Pass : unsigned char { only, first, correction };
   struct Task;  // what the steps of one solve share
 
   template <Pass pass>
   void sweep(const Task& task);
-  void residual_of_closures(const Task& task);
-  template <Pass pass>
-  void load_of(const Task& task, const BodyStep& step);
-  template <Pass pass>
+  void residual_of_bodies_and_closures(const Task& task);
+  template <Pass pass, int fixed>
   void forward_body(const Task& task, const BodyStep& step);
-  template <Pass pass>
+  template <Pass pass, int fixed>
   void backward_body(const Task& task, const BodyStep& step);
   template <int fixed>
   void forward_closure(const LoopFactors<S>& factors, const ClosureStep& step);
