@@ -122,9 +122,12 @@ void LoopFactors<S>::eliminate_columns(const System<S>& system, const BodyStep& 
     S* const block = delassus_.data() + both.block;
     for (int k = 0; k < step.nv; ++k) {
       const S* const first = u + k * w + both.first;
-      const S* const second = responses_.data() + step.responses + k * w + both.second;
-      for (int x = 0; x < rows; ++x)
-        for (int y = 0; y < columns; ++y) block[x * columns + y] += first[x] * second[y];
+      S second[most_rows];  // a copy, which `block` cannot overlap
+      std::copy_n(responses_.data() + step.responses + k * w + both.second, columns, second);
+      for (int x = 0; x < rows; ++x) {
+        const S left = first[x];
+        for (int y = 0; y < columns; ++y) block[x * columns + y] += left * second[y];
+      }
     }
   }
 }
@@ -197,11 +200,15 @@ void LoopFactors<S>::eliminate_closure(const ClosureStep& step) {
     const S* const first = delassus_.data() + both.first;
     const S* const second = delassus_.data() + both.second;
     S* const block = delassus_.data() + both.block;
-    for (int x = 0; x < rows; ++x)
+    for (int x = 0; x < rows; ++x) {
+      S rest[most_rows];
+      std::copy_n(block + x * columns, columns, rest);
       for (int r = 0; r < m; ++r) {
         const S t = first[r * rows + x] * inverse[r];
-        for (int y = 0; y < columns; ++y) block[x * columns + y] -= t * second[r * columns + y];
+        for (int y = 0; y < columns; ++y) rest[y] -= t * second[r * columns + y];
       }
+      std::copy_n(rest, columns, block + x * columns);
+    }
   }
   if (step.body >= 0) hand_to_body<fixed>(step);
 }

@@ -84,9 +84,11 @@ void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
   const Attachment* const attachments = plan.attachments.data();
   const Range around = step.attachments;
   const int i = step.body;
+  Wrench<S> rest = load_[i];
   if constexpr (pass != Pass::correction) {
     const Motion<S>& bias = task.rhs.bias[i];
-    load_[i] -= factors.star(i) * bias;
+    rest -= factors.star(i) * bias;
+    load_[i] = rest;
     const Wrench<S>* const e = factors.columns(step.first_column);
     for (int at = around.begin; at < around.end; ++at) {
       const Attachment& a = attachments[at];
@@ -94,7 +96,7 @@ void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
     }
   }
   if (step.parent == ground && step.nv == 0) return;
-  Wrench<S> rest = load_[i];
+  S* const gamma = gamma_.data();
   for (int k = 0; k < step.nv; ++k) {
     const int v = step.v + k;
     S torque = task.rhs.tau[v] + project(factors.kind(v), task.system.columns[v], rest);
@@ -108,7 +110,7 @@ void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
     const S* const response = factors.responses(step, k);
     for (int at = around.begin; at < around.end; ++at) {
       const Attachment& a = attachments[at];
-      for (int x = 0; x < (fixed ? fixed : a.rows); ++x) gamma_[a.row + x] += response[a.column + x] * torque;
+      for (int x = 0; x < (fixed ? fixed : a.rows); ++x) gamma[a.row + x] += response[a.column + x] * torque;
     }
   }
   if (step.parent != ground) load_[step.parent] += moved_inward(task.system.bodies[i].r, rest);
@@ -175,8 +177,11 @@ void LoopSubstitution<S>::forward_closure(const LoopFactors<S>& factors, const C
     const Attachment& a = factors.plan().attachments[at];
     const int columns = fixed ? fixed : a.rows;
     const S* const T = factors.block(a.block);
-    for (int r = 0; r < m; ++r)
-      for (int y = 0; y < columns; ++y) gamma_[a.row + y] -= T[r * columns + y] * g[r];
+    for (int y = 0; y < columns; ++y) {
+      S sum = gamma_[a.row + y];
+      for (int r = 0; r < m; ++r) sum -= T[r * columns + y] * g[r];
+      gamma_[a.row + y] = sum;
+    }
   }
   if (step.body >= 0)
     for (int r = 0; r < m; ++r) load_[step.body] -= factors.columns(step.first_column)[r] * g[r];
