@@ -17,14 +17,13 @@ std::vector<double> free_delassus_diagonal(const Model& model) {
   double mean = 0;
   for (const Link& link : model.links()) mean += std::abs(link.inertia.mass) / model.bodies();
   if (!(mean > 0)) mean = 1;
+  constexpr double small = 0.01;
   const auto free = [&](int body) {
     const RigidInertia<double>& M = model.link(body).inertia;
-    constexpr double negligible = 1e-12;
-    if (!(M.mass > negligible * mean)) return FreeBody{1 / mean, 1 / (mean * model.length() * model.length()), {}};
-    const Vec3<double> c = M.h * (1 / M.mass);
+    const double mass = std::max(M.mass, small * mean);
+    const Vec3<double> c = M.mass > 0 ? M.h * (1 / M.mass) : Vec3<double>{};
     const double half_trace = (M.J.xx + M.J.yy + M.J.zz) / 2 - M.mass * dot(c, c);
-    const double least = negligible * M.mass * model.length() * model.length();  // of a point mass
-    return FreeBody{1 / M.mass, 1 / std::max(half_trace, least), c};
+    return FreeBody{1 / mass, 1 / std::max(half_trace, small * mass * model.length() * model.length()), c};
   };
   const ClosureSet& set = model.closures();
   std::vector<double> diagonal(set.rows(), 0.0);

@@ -148,7 +148,7 @@ bool LoopFactors<S>::find_pivots(const ClosureStep& step, std::span<const char> 
   for (int r = 0; r < m; ++r) wanted += left[r];
   for (; found < wanted; ++found) {
     int best = -1;
-    double largest = vanishing_pivot;
+    double largest = counts.empty() ? vanishing_pivot : 0;
     for (int r = 0; r < m; ++r) {
       if (!left[r]) continue;
       const double pivot = to_double(rest[r][r]);
