@@ -41,6 +41,9 @@ class QuotientGraph {
   void eliminate_body(int i);
   void eliminate_closure(int c);
 
+  /// Rows a node meets.
+  int degree(int node) const;
+
   const Body& body(int i) const { return bodies_[i]; }
   const Closure& closure(int c) const { return closures_[c]; }
   int closures() const { return static_cast<int>(closures_.size()); }
@@ -52,7 +55,6 @@ class QuotientGraph {
     insert(bodies_[body].met, closure);
   }
   bool admitted(int node) const;
-  int degree(int node) const;
   void consider(int node) {
     if (admitted(node)) queue_.emplace(degree(node), node);
   }
@@ -170,7 +172,7 @@ class Planner {
  public:
   Planner(const Model& model, EliminationRule rule, EliminationPlan& plan)
       : model_(model), plan_(plan), graph_(model, rule) {}
-  void run();
+  void run(double most_operations);
 
  private:
   void lay_out_columns();
@@ -194,12 +196,19 @@ class Planner {
   std::vector<int> block_;                         // per closure, of it with itself
 };
 
-void Planner::run() {
+void Planner::run(double most_operations) {
   body_around_.resize(model_.bodies());
   closure_around_.resize(graph_.closures());
   frontier_.assign(graph_.closures(), -1);
   position_.assign(graph_.closures(), -1);
+  double operations = 0;  // at least
   for (int node = 0; graph_.next(node);) {
+    const double met = graph_.degree(node);
+    operations += met * met;
+    if (operations > most_operations) {
+      plan_.operations = std::numeric_limits<double>::infinity();
+      return;
+    }
     if (node >= 0) {
       body_around_[node] = graph_.body(node).closures;
       graph_.eliminate_body(node);
@@ -371,6 +380,8 @@ void Planner::write_closure(int c) {
 
 }  // namespace
 
-EliminationPlan::EliminationPlan(const Model& model, EliminationRule rule) { Planner(model, rule, *this).run(); }
+EliminationPlan::EliminationPlan(const Model& model, EliminationRule rule, double most_operations) {
+  Planner(model, rule, *this).run(most_operations);
+}
 
 }  // namespace lanc

@@ -1,7 +1,7 @@
 // In which order bodies and closures of a model are eliminated from eq. 14, and what meets what on the way.
 #pragma once
 
-#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lib/model/model.h"
@@ -85,9 +85,10 @@ struct EliminationPlan {
   std::vector<int> column_of_end_b;
   int columns = 0, responses = 0, delassus = 0, weights = 0;  // sizes of the numeric arrays
   int most_responses = 0;                                     // of one step
-  double operations = 0;                                      // about, of one factorisation
+  double operations = 0;  // about, of one factorisation; infinite when the limit was passed, and there is no plan
 
-  explicit EliminationPlan(const Model& model, EliminationRule rule = EliminationRule::path);
+  explicit EliminationPlan(const Model& model, EliminationRule rule = EliminationRule::path,
+                           double most_operations = std::numeric_limits<double>::infinity());
 };
 
 }  // namespace lanc

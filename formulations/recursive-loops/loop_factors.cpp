@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "formulations/recursive-loops/free_delassus.h"
 
@@ -16,9 +17,9 @@ constexpr int most_rows = 6;  // of a closure
 }  // namespace
 
 template <class S>
-LoopFactors<S>::LoopFactors(const Model& model, EliminationRule rule)
+LoopFactors<S>::LoopFactors(const Model& model, EliminationPlan plan)
     : model_(model),
-      plan_(model, rule),
+      plan_(std::move(plan)),
       free_(free_delassus_diagonal(model)),
       star_(model.bodies()),
       freedoms_(model.nv()),

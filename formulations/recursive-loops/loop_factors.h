@@ -38,7 +38,7 @@ inline void with_rows(int rows_each, F&& f) {
 template <class S>
 class LoopFactors {
  public:
-  explicit LoopFactors(const Model& model, EliminationRule rule = EliminationRule::path);
+  LoopFactors(const Model& model, EliminationPlan plan);
 
   /// Of all rows, vanishing ones being dropped, or, where `counts` has an entry per row, of those that count. False
   /// when there is a pivot nobody can divide by.

@@ -1,34 +1,60 @@
 #include <memory>
 
 #include "formulations/recursive-loops/loop_substitution.h"
+#include "formulations/recursive-loops/quasi_definite.h"
 #include "lib/formulation/formulation.h"
 
 namespace lanc {
 namespace {
 
+/// Operations of the block elimination that take the time of an unknown of the quasi-definite matrix, and of one of its
+/// operations (measured).
+constexpr double per_unknown = 500, per_operation = 2;
+
+/// Eq. 18 with closures where bodies before closures fill little; else eq. 14 as a sparse quasi-definite matrix.
+///
 /// Which rows of closures depend on others is seen by their pivots, loop by loop. Where that is another number than
 /// lib/closure/rank.h finds (near singular configurations, or far off the manifold), its independent rows are taken;
 /// and where one of those has no pivot in its turn, closures go after all bodies.
 template <class S>
 class RecursiveLoops final : public Formulation<S> {
  public:
-  explicit RecursiveLoops(const Model& model) : Formulation<S>(model), by_path_(model), substitution_(model) {}
+  explicit RecursiveLoops(const Model& model) : Formulation<S>(model), substitution_(model) {
+    EliminationPlan plan(model, EliminationRule::path, most_operations(model));
+    const double operations = plan.operations;
+    if (operations <= most_operations(model)) by_path_ = std::make_unique<LoopFactors<S>>(model, std::move(plan));
+    if constexpr (std::is_same_v<S, double>) {
+      if (!may_be_sparse(model) || operations <= per_unknown * unknowns(model)) return;
+      sparse_ = std::make_unique<QuasiDefinite>(model);
+      if (operations > per_unknown * unknowns(model) + per_operation * sparse_->statistics().factorise_flops)
+        by_path_.reset();
+      else
+        sparse_.reset();
+    }
+  }
 
   void assemble(const System<S>&) override {}
 
   Outcome factorise(const System<S>& system) override {
-    present_ = &by_path_;
-    if (!this->model().has_closures()) {
-      by_path_.factorise(system);
+    const Model& model = this->model();
+    if (!model.has_closures()) {
+      present_ = by_path_.get();
+      by_path_->factorise(system);
       return {};
     }
     const ClosureDecision& decision = this->closures();
-    if (by_path_.factorise(system) && by_path_.dropped() == decision.redundant) return {};
-    if (by_path_.factorise(system, decision.independent)) return {};
-    const Model& model = this->model();
+    present_ = nullptr;
+    if constexpr (std::is_same_v<S, double>)
+      if (sparse_ && sparse_->factorise(system, decision.independent)) return {};
+    if (by_path_) {
+      present_ = by_path_.get();
+      if (present_->factorise(system) && present_->dropped() == decision.redundant) return {};
+      if (present_->factorise(system, decision.independent)) return {};
+    }
     constexpr std::size_t most_closures = 200;  // every body meets every closure
     if (model.closures().closures.size() + model.closures().couplers.size() <= most_closures) {
-      if (!bodies_first_) bodies_first_ = std::make_unique<LoopFactors<S>>(model, EliminationRule::bodies_first);
+      if (!bodies_first_)
+        bodies_first_ = std::make_unique<LoopFactors<S>>(model, EliminationPlan(model, EliminationRule::bodies_first));
       present_ = bodies_first_.get();
       if (present_->factorise(system, decision.independent)) return {};
     }
@@ -38,13 +64,26 @@ class RecursiveLoops final : public Formulation<S> {
   }
 
   void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override {
-    substitution_.solve(*present_, system, rhs, solution);
+    if (present_) return substitution_.solve(*present_, system, rhs, solution);
+    if constexpr (std::is_same_v<S, double>) sparse_->substitute(system, rhs, solution);
   }
 
  private:
-  LoopFactors<S> by_path_;
+  static double unknowns(const Model& model) { return 12.0 * model.bodies() + model.nv() + model.closures().rows(); }
+  static bool may_be_sparse(const Model& model) {
+    return std::is_same_v<S, double> && model.has_closures() && !model.has_singular_inertia() &&
+           !Eq14Matrix<double>::objection(model);
+  }
+  /// Beyond, not even a plan is made.
+  static double most_operations(const Model& model) {
+    constexpr double hopeless = 100;
+    return may_be_sparse(model) ? hopeless * per_unknown * unknowns(model) : std::numeric_limits<double>::infinity();
+  }
+
+  std::unique_ptr<LoopFactors<S>> by_path_;
   std::unique_ptr<LoopFactors<S>> bodies_first_;  // made when needed
-  LoopFactors<S>* present_ = nullptr;             // of the last factorisation
+  std::unique_ptr<QuasiDefinite> sparse_;
+  LoopFactors<S>* present_ = nullptr;  // of the last factorisation; null: sparse_
   LoopSubstitution<S> substitution_;
 };
 
