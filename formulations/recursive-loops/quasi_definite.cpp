@@ -14,8 +14,9 @@ namespace {
 /// more digits to each: pivots of f̂ meet 1/ρ.
 constexpr double relative_mu = 1e-10, relative_rho = 1e-7;
 constexpr int most_steps = 30;
-/// Of the answer: where steps end, and what may be left of them when they stagnate.
-constexpr double converged = 1e-13, acceptable = 1e-10;
+/// Of the answer: where steps end; and what a step may be, and what it may leave open of the closures, when steps have
+/// come to the rounding errors of large wrenches, and get no smaller.
+constexpr double converged = 1e-13, acceptable = 1e-7;
 
 void add(const Solution<double>& step, Solution<double>& solution) {
   for (std::size_t k = 0; k < solution.vdot.size(); ++k) solution.vdot[k] += step.vdot[k];

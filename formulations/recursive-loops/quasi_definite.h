@@ -26,6 +26,7 @@ class QuasiDefinite {
   void substitute(const System<double>& system, const RightHandSide<double>& rhs, Solution<double>& solution);
 
   int unknowns() const { return matrix_.size(); }
+  int nonzeros() const { return static_cast<int>(rows_.size()); }
   FactorStatistics statistics() const { return solver_->statistics(); }
   /// Proximal steps of the last substitution.
   int steps() const { return steps_; }

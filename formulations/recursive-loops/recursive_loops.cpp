@@ -68,6 +68,18 @@ class RecursiveLoops final : public Formulation<S> {
     if constexpr (std::is_same_v<S, double>) sparse_->substitute(system, rhs, solution);
   }
 
+  /// Of the sparse matrix, where it is taken.
+  std::optional<LibraryStatistics> statistics() const override {
+    if (!sparse_) return std::nullopt;
+    const FactorStatistics s = sparse_->statistics();
+    return LibraryStatistics{.unknowns = sparse_->unknowns(),
+                             .matrix_nonzeros = sparse_->nonzeros(),
+                             .factor_nonzeros = s.nonzeros,
+                             .bytes = s.bytes,
+                             .factorise_flops = s.factorise_flops,
+                             .solve_flops = s.solve_flops};
+  }
+
  private:
   static double unknowns(const Model& model) { return 12.0 * model.bodies() + model.nv() + model.closures().rows(); }
   static bool may_be_sparse(const Model& model) {

@@ -1,0 +1,333 @@
+// What only recursive-loops promises: linear plans, dropped rows, and the sparse matrix where leaf first fills. That it
+// solves closed loops is tested with all others in tests/contract.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "formulations/recursive-loops/loop_substitution.h"
+#include "formulations/recursive-loops/quasi_definite.h"
+#include "lib/formulation/formulation.h"
+#include "lib/io/mechanism.h"
+#include "lib/report/phases.h"
+#include "lib/system/evaluator.h"
+#include "tests/support/loop_cases.h"
+#include "tests/support/naive.h"
+#include "tests/support/tolerance.h"
+
+namespace lanc::test {
+namespace {
+
+const FormulationInfo& formulation() { return *find_formulation("recursive-loops"); }
+
+/// A rod of 1 m and 1 kg on a hinge about y.
+void add_rod(ModelSpec& spec, const std::string& name, const Eigen::Vector3d& tip, const std::string& parent,
+             const Eigen::Vector3d& at) {
+  BodySpec body;
+  body.name = name;
+  body.mass = 1, body.com = tip / 2;
+  body.inertia = Eigen::Matrix3d(Eigen::Vector3d(0.1, 0.1, 0.1).asDiagonal());
+  spec.bodies.push_back(body);
+  JointSpec joint;
+  joint.name = "j_" + name, joint.kind = *find_joint_kind("revolute");
+  joint.parent = parent, joint.body = name, joint.frame.position = at, joint.axis = Eigen::Vector3d::UnitY();
+  spec.joints.push_back(joint);
+}
+
+ClosureSpec point(const std::string& name, const std::string& a, const Eigen::Vector3d& on_a, const std::string& b,
+                  const Eigen::Vector3d& on_b) {
+  ClosureSpec closure;
+  closure.name = name, closure.kind = *find_closure_kind("point-on-point");
+  closure.body_a = a, closure.body_b = b;
+  closure.frame_a.position = on_a, closure.frame_b.position = on_b;
+  return closure;
+}
+
+ModelSpec empty_spec(const std::string& name) {
+  ModelSpec spec;
+  spec.name = name;
+  spec.gravity = {0, 0, -9.81};
+  spec.length = 1;
+  return spec;
+}
+
+const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), z = Eigen::Vector3d::UnitZ();
+
+/// A ladder of n four-bars whose couplers are one chain: uprights hang on it, and each is tied to the ground.
+Case long_chain_tied_to_ground(int n, double angle = 0.7) {
+  ModelSpec spec = empty_spec("chain tied to ground");
+  add_rod(spec, "u0", z, "", {0, 0, 0});
+  std::vector<double> q = {angle};
+  for (int i = 1; i <= n; ++i) {
+    const std::string number = std::to_string(i);
+    add_rod(spec, "c" + number, x, i == 1 ? "u0" : "c" + std::to_string(i - 1), i == 1 ? z : x);
+    add_rod(spec, "u" + number, -z, "c" + number, x);
+    q.push_back(i == 1 ? -angle : 0), q.push_back(angle);
+    spec.closures.push_back(point("tie" + number, "u" + number, -z, "", i * x));
+  }
+  Case c{spec.name, Model::build(spec), {}, {}};
+  c.state = {0, q, std::vector<double>(q.size(), 0.0)};
+  return c;
+}
+
+/// Two chains side by side with n rungs between them, the lowest rods at an angle.
+Case chains_with_rungs(int n, double angle = 0.7) {
+  ModelSpec spec = empty_spec("chains with rungs");
+  std::vector<double> q;
+  for (int i = 1; i <= n; ++i) {
+    const std::string number = std::to_string(i), below = std::to_string(i - 1);
+    add_rod(spec, "a" + number, z, i == 1 ? "" : "a" + below, i == 1 ? 0 * x : z);
+    add_rod(spec, "b" + number, z, i == 1 ? "" : "b" + below, i == 1 ? x : z);
+    add_rod(spec, "r" + number, x, "a" + number, z);
+    q.insert(q.end(), {i == 1 ? angle : 0, i == 1 ? angle : 0, -angle});
+    spec.closures.push_back(point("rung" + number, "r" + number, x, "b" + number, z));
+  }
+  Case c{spec.name, Model::build(spec), {}, {}};
+  c.state = {0, q, std::vector<double>(q.size(), 0.0)};
+  return c;
+}
+
+bool is_sparse(const Model& model) { return formulation().create_double(model)->statistics().has_value(); }
+
+/// Largest error of η̇, â, f̂ relative to the size of its kind, against `dense` in long double.
+double error(const Case& c, const Solution<double>& solution) {
+  const System<long double> system = system_in_long_double(c);
+  Solution<long double> exact(c.model);
+  EXPECT_TRUE(find_formulation("dense")->create_long_double(c.model)->solve(system, exact).usable()) << c.name;
+  return relative(difference(c.model, solution, exact), sizes(system, exact)).worst();
+}
+
+TEST(RecursiveLoops, counts_of_operations_grow_by_the_same_number_with_every_loop) {
+  for (const char* name : {"four-bar-ladder:{}", "four-bar-ladder:{}:cut=weld", "four-bar-ladder:{}:cut=hinge",
+                           "four-bar-chain:{}", "four-bar-chain:{}:cut=weld"}) {
+    std::vector<std::int64_t> flops;
+    for (const int n : {20, 40, 60}) {
+      const Mechanism m = load_mechanism(fmt::format(fmt::runtime(name), n));
+      const PhaseCounts counts = count_phases(formulation(), m.model, m.state);
+      EXPECT_TRUE(counts.outcome.usable()) << name;
+      flops.push_back(counts.factorise.flops() + counts.solve.flops());
+    }
+    // which rows are dropped, and so a few operations, may change with the ends of a chain
+    EXPECT_NEAR(static_cast<double>(flops[2] - flops[1]), static_cast<double>(flops[1] - flops[0]),
+                2e-3 * static_cast<double>(flops[1]))
+        << name;
+  }
+}
+
+TEST(RecursiveLoops, on_trees_it_is_the_recursion_operation_by_operation) {
+  for (const char* name : {"chain:12", "tree:31", "random:20:seed=4", "chain:7:joint=mixed"}) {
+    const Mechanism m = load_mechanism(name);
+    const PhaseCounts ours = count_phases(formulation(), m.model, m.state);
+    const PhaseCounts theirs = count_phases(*find_formulation("recursive"), m.model, m.state);
+    EXPECT_LE(ours.factorise.flops(), theirs.factorise.flops()) << name;
+    EXPECT_LE(ours.solve.flops(), theirs.solve.flops() + 6 * m.model.bodies()) << name;
+    Evaluator<double> evaluator(m.model);
+    Solution<double> a(m.model), b(m.model);
+    ASSERT_TRUE(formulation().create_double(m.model)->solve(evaluator.system(m.state), a).usable());
+    ASSERT_TRUE(find_formulation("recursive")->create_double(m.model)->solve(evaluator.system(m.state), b).usable());
+    for (int k = 0; k < m.model.nv(); ++k) EXPECT_TRUE(within(name, a.vdot[k] - b.vdot[k], 1, norms(m.model, b).vdot));
+  }
+}
+
+TEST(RecursiveLoops, long_ladders_accelerate_as_their_closed_form_says) {
+  // by pivots alone; welds of uprights a kilometre away cost digits of the closure rows themselves
+  for (const auto& [cut, n] : {std::pair{"point", 1000}, {"weld", 300}}) {
+    const Mechanism m = load_mechanism(fmt::format("four-bar-ladder:{}:cut={}", n, cut));
+    const double exact = 9.81 * ((n + 1) / 2.0 + n) * std::sin(0.7) / ((n + 1) / 3.0 + n);
+    Evaluator<double> evaluator(m.model);
+    LoopFactors<double> factors(m.model, EliminationPlan(m.model));
+    LoopSubstitution<double> substitution(m.model);
+    Solution<double> solution(m.model);
+    const System<double>& system = evaluator.system(m.state);
+    ASSERT_TRUE(factors.factorise(system));
+    EXPECT_EQ(factors.dropped(), (std::string(cut) == "point" ? 1 : 3) * n);
+    substitution.solve(factors, system, system.rhs, solution);
+    EXPECT_NEAR(solution.vdot[0], exact, 1e-12 * exact) << cut;
+  }
+}
+
+TEST(RecursiveLoops, pivots_drop_as_many_rows_as_singular_values_find_dependent) {
+  std::vector<Case> cases = closed_loops();
+  for (int seed = 1; seed <= 60; ++seed) {
+    const char* cause[] = {"any", "parallel", "bennett", "duplicate", "none"};
+    const Mechanism m =
+        load_mechanism(fmt::format("random-loops:{}:seed={}:redundant={}", 1 + seed % 9, seed, cause[seed % 5]));
+    cases.push_back({m.model.name(), m.model, m.state, {}});
+  }
+  for (const Case& c : cases) {
+    Evaluator<double> evaluator(c.model);
+    const System<double>& system = evaluator.system(c.state, c.loads);
+    ClosureRank<double> rank(c.model);
+    const ClosureDecision& decision = rank.decide(system);
+    if (decision.sigma < 1e-4) continue;  // pivots are σ²
+    LoopFactors<double> factors(c.model, EliminationPlan(c.model));
+    ASSERT_TRUE(factors.factorise(system)) << c.name;
+    EXPECT_EQ(factors.dropped(), decision.redundant) << c.name;
+  }
+}
+
+/// From a body to the root.
+std::vector<int> path(const Model& model, int body) {
+  std::vector<int> result;
+  for (; body != ground; body = model.link(body).parent) result.push_back(body);
+  return result;
+}
+
+TEST(EliminationPlan, lets_a_closure_go_when_its_loop_hangs_on_one_body) {
+  std::vector<Model> models;
+  for (const Case& c : closed_loops()) models.push_back(c.model);
+  for (int seed = 0; seed < 30; ++seed) models.push_back(tangle(seed, 1 + seed % 6).model);
+  for (const Model& model : models) {
+    const EliminationPlan plan(model);
+    ASSERT_EQ(plan.bodies.size() + plan.closures.size(), plan.order.size());
+    ASSERT_EQ(static_cast<int>(plan.bodies.size()), model.bodies());
+    std::vector<std::size_t> gone(model.bodies(), plan.order.size());
+    for (std::size_t at = 0; at < plan.order.size(); ++at)
+      if (plan.order[at] >= 0) gone[plan.bodies[plan.order[at]].body] = at;
+    for (int i = 0; i < model.bodies(); ++i)
+      if (model.link(i).parent != ground) EXPECT_LT(gone[i], gone[model.link(i).parent]) << model.name();
+    for (std::size_t at = 0; at < plan.order.size(); ++at) {
+      if (plan.order[at] >= 0) continue;
+      const ClosureStep& step = plan.closures[-1 - plan.order[at]];
+      for (const Closure& closure : model.closures().closures) {
+        if (closure.row != step.row) continue;
+        const std::vector<int> a = path(model, closure.body_a), b = path(model, closure.body_b);
+        for (const int body : a)
+          if (std::find(b.begin(), b.end(), body) == b.end()) EXPECT_LT(gone[body], at) << model.name();
+        for (const int body : b)
+          if (std::find(a.begin(), a.end(), body) == a.end()) EXPECT_LT(gone[body], at) << model.name();
+      }
+    }
+  }
+}
+
+TEST(EliminationPlan, gives_up_beyond_the_limit) {
+  const Model model = long_chain_tied_to_ground(60).model;
+  EXPECT_TRUE(std::isinf(EliminationPlan(model, EliminationRule::path, 1e4).operations));
+  EXPECT_LT(EliminationPlan(model).operations, 1e9);
+}
+
+TEST(RecursiveLoops, closures_after_all_bodies_give_the_same_answer) {
+  for (const Case& c : closed_loops()) {
+    Evaluator<double> evaluator(c.model);
+    const System<double>& system = evaluator.system(c.state, c.loads);
+    LoopSubstitution<double> substitution(c.model);
+    Solution<double> a(c.model), b(c.model);
+    for (Solution<double>* solution : {&a, &b}) {
+      const EliminationRule rule = solution == &a ? EliminationRule::path : EliminationRule::bodies_first;
+      LoopFactors<double> factors(c.model, EliminationPlan(c.model, rule));
+      ASSERT_TRUE(factors.factorise(system)) << c.name;
+      substitution.solve(factors, system, system.rhs, *solution);
+    }
+    EXPECT_TRUE(within_relative(c.name, difference(c.model, a, b).vdot, 1e-11, norms(c.model, a).vdot));
+  }
+}
+
+TEST(RecursiveLoops, takes_the_sparse_matrix_where_leaf_first_fills_and_only_there) {
+  for (const char* name : {"four-bar-ladder:100", "four-bar-chain:100:cut=weld", "polygon:200", "chain:50"})
+    EXPECT_FALSE(is_sparse(load_mechanism(name).model)) << name;
+  EXPECT_TRUE(is_sparse(load_mechanism("four-bar-nest:60").model));
+  EXPECT_FALSE(is_sparse(long_chain_tied_to_ground(5).model));
+  for (const Case& c : {long_chain_tied_to_ground(60), chains_with_rungs(60)}) {
+    EXPECT_TRUE(is_sparse(c.model)) << c.name;
+    Evaluator<double> evaluator(c.model);
+    Solution<double> solution(c.model);
+    const Outcome outcome = formulation().create_double(c.model)->solve(evaluator.system(c.state), solution);
+    EXPECT_EQ(outcome.status, Status::redundant) << c.name << ": " << outcome.message;
+    EXPECT_TRUE(within_relative(c.name, error(c, solution), 1e-11, 1));
+  }
+}
+
+TEST(QuasiDefinite, agrees_with_the_block_elimination_after_few_steps) {
+  std::vector<Case> cases = closed_loops();
+  cases.push_back(long_chain_tied_to_ground(12));
+  cases.push_back(chains_with_rungs(12));
+  int compared = 0;
+  for (const Case& c : cases) {
+    if (c.model.has_singular_inertia()) continue;
+    Evaluator<double> evaluator(c.model);
+    const System<double>& system = evaluator.system(c.state, c.loads);
+    ClosureRank<double> rank(c.model);
+    const ClosureDecision& decision = rank.decide(system);
+    RightHandSide<double> rhs = system.rhs;
+    for (std::size_t k = 0; k < rhs.closure.size(); ++k) rhs.closure[k] += decision.correction[k];
+    QuasiDefinite sparse(c.model);
+    ASSERT_TRUE(sparse.factorise(system, decision.independent)) << c.name;
+    Solution<double> solution(c.model);
+    sparse.substitute(system, rhs, solution);
+    EXPECT_LE(sparse.steps(), 6) << c.name;
+    LoopFactors<double> factors(c.model, EliminationPlan(c.model));
+    ASSERT_TRUE(factors.factorise(system)) << c.name;
+    Solution<double> expected(c.model);
+    LoopSubstitution<double>(c.model).solve(factors, system, rhs, expected);
+    EXPECT_TRUE(within_relative(c.name, difference(c.model, solution, expected).vdot, 1e-10,
+                                norms(c.model, expected).acceleration));
+    ++compared;
+  }
+  EXPECT_GE(compared, 10);
+}
+
+TEST(QuasiDefinite, fills_in_proportion_to_the_number_of_loops) {
+  for (const auto make : {long_chain_tied_to_ground, chains_with_rungs}) {
+    const double few = QuasiDefinite(make(60, 0.7).model).statistics().factorise_flops;
+    const double many = QuasiDefinite(make(120, 0.7).model).statistics().factorise_flops;
+    EXPECT_LT(many, 2.2 * few);
+  }
+}
+
+TEST(QuasiDefinite, finds_an_equilibrium_at_rest) {
+  const Case c = long_chain_tied_to_ground(60, 0.0);
+  Evaluator<double> evaluator(c.model);
+  Solution<double> solution(c.model);
+  const System<double>& system = evaluator.system(c.state);
+  ClosureRank<double> rank(c.model);
+  QuasiDefinite sparse(c.model);
+  ASSERT_TRUE(sparse.factorise(system, rank.decide(system).independent));
+  sparse.substitute(system, system.rhs, solution);
+  for (const double vdot : solution.vdot) EXPECT_NEAR(vdot, 0, 1e-12 * 9.81);
+}
+
+TEST(QuasiDefinite, says_so_when_an_inertia_is_not_positive_definite) {
+  ModelSpec spec = long_chain_tied_to_ground(4).model.spec();
+  spec.bodies[2].inertia *= -10;
+  spec.bodies[2].allow_nonphysical_inertia = true;
+  const Model model = Model::build(spec);
+  Evaluator<double> evaluator(model);
+  const System<double>& system = evaluator.system(long_chain_tied_to_ground(4).state);
+  const std::vector<char> all(model.closures().rows(), true);
+  EXPECT_FALSE(QuasiDefinite(model).factorise(system, all));
+}
+
+TEST(RecursiveLoops, a_massless_body_keeps_the_block_elimination_however_it_fills) {
+  Case c = long_chain_tied_to_ground(30);
+  ModelSpec spec = c.model.spec();
+  spec.bodies[11].mass = 0, spec.bodies[11].inertia.setZero();  // a coupler; the upright on it has mass
+  c.model = Model::build(spec);
+  EXPECT_FALSE(is_sparse(c.model));
+  Evaluator<double> evaluator(c.model);
+  Solution<double> solution(c.model);
+  const Outcome outcome = formulation().create_double(c.model)->solve(evaluator.system(c.state), solution);
+  EXPECT_EQ(outcome.status, Status::redundant) << outcome.message;
+  EXPECT_TRUE(within_relative(c.name, error(c, solution), 1e-10, 1));
+}
+
+TEST(RecursiveLoops, near_a_singular_position_an_answer_is_right_or_none) {
+  int solved = 0;
+  for (const double distance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+    const double angle = std::acos(0.0) - distance;
+    const Mechanism m = load_mechanism(fmt::format("four-bar-ladder:10:angle={:.17g}", angle));
+    Evaluator<double> evaluator(m.model);
+    Solution<double> solution(m.model);
+    const Outcome outcome = formulation().create_double(m.model)->solve(evaluator.system(m.state), solution);
+    if (!outcome.usable()) continue;
+    ++solved;
+    const int n = 10;
+    const double exact = 9.81 * ((n + 1) / 2.0 + n) * std::sin(angle) / ((n + 1) / 3.0 + n);
+    EXPECT_NEAR(solution.vdot[0], exact, 1e-6 * exact) << distance;
+  }
+  EXPECT_GE(solved, 3);
+}
+
+}  // namespace
+}  // namespace lanc::test
