@@ -246,13 +246,12 @@ void Planner::lay_out_columns() {
     for (const int c : columns) plan_.columns += graph_.closure(c).rows;
   }
   const ClosureSet& set = model_.closures();
-  plan_.column_of_end_a.assign(set.body_rows, -1), plan_.column_of_end_b.assign(set.body_rows, -1);
-  for (int c = 0; c < static_cast<int>(set.closures.size()); ++c)
-    for (int k = 0; k < graph_.closure(c).rows; ++k) {
-      const Closure& closure = set.closures[c];
-      if (closure.body_a != ground) plan_.column_of_end_a[closure.row + k] = column_at(closure.body_a, c) + k;
-      if (closure.body_b != ground) plan_.column_of_end_b[closure.row + k] = column_at(closure.body_b, c) + k;
-    }
+  for (int c = 0; c < static_cast<int>(set.closures.size()); ++c) {
+    const Closure& closure = set.closures[c];
+    const auto column = [&](int body) { return body == ground ? -1 : column_at(body, c); };
+    plan_.ends.push_back({closure.row, graph_.closure(c).rows, closure.body_a, closure.body_b, column(closure.body_a),
+                          column(closure.body_b)});
+  }
 }
 
 int Planner::column_at(int body, int closure) const {

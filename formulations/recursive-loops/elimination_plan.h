@@ -58,6 +58,13 @@ struct ClosureStep {
   Range attachments, meetings;
 };
 
+/// A closure between bodies, and its own columns on them (in the array of all columns); −1: the ground.
+struct ClosureEnds {
+  int row, rows;
+  int body_a, body_b;
+  int column_a, column_b;
+};
+
 /// When a closure may go.
 enum class EliminationRule : unsigned char {
   path,         // after every body on its loop but the one nearest to the root
@@ -81,8 +88,7 @@ struct EliminationPlan {
   std::vector<Attachment> attachments;
   std::vector<Meeting> meetings;
   std::vector<DirectTerm> terms;
-  std::vector<int> column_of_end_a;  // per closure row on bodies: its own on body a in the array of all columns, or −1
-  std::vector<int> column_of_end_b;
+  std::vector<ClosureEnds> ends;                              // of the closures between bodies
   int columns = 0, responses = 0, delassus = 0, weights = 0;  // sizes of the numeric arrays
   int most_responses = 0;                                     // of one step
   double operations = 0;  // about, of one factorisation; infinite when the limit was passed, and there is no plan

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "formulations/recursive-loops/free_delassus.h"
+#include "formulations/recursive-loops/narrow_copy.h"
 
 namespace lanc {
 namespace {
@@ -38,7 +39,9 @@ bool LoopFactors<S>::factorise(const System<S>& system, std::span<const char> co
   start(system);
   for (const int at : plan_.order) {
     if (at >= 0) {
-      eliminate_body(system, plan_.bodies[at]);
+      const BodyStep& step = plan_.bodies[at];
+      eliminate_body(system, step);
+      if (step.columns > 0) with_rows(step.rows_each, [&](auto rows) { eliminate_columns<rows>(system, step); });
       continue;
     }
     const ClosureStep& step = plan_.closures[-1 - at];
@@ -56,10 +59,12 @@ template <class S>
 void LoopFactors<S>::start(const System<S>& system) {
   const S o(0.0);
   std::fill(columns_.begin(), columns_.end(), Wrench<S>{{o, o, o}, {o, o, o}});
-  for (std::size_t k = 0; k < plan_.column_of_end_a.size(); ++k) {
-    if (const int at = plan_.column_of_end_a[k]; at >= 0) columns_[at] = system.closure_rows[k].a;
-    if (const int at = plan_.column_of_end_b[k]; at >= 0) columns_[at] += system.closure_rows[k].b;
-  }
+  for (const ClosureEnds& ends : plan_.ends)
+    for (int k = 0; k < ends.rows; ++k) {
+      const auto& row = system.closure_rows[ends.row + k];
+      if (ends.column_a >= 0) columns_[ends.column_a + k] = row.a;
+      if (ends.column_b >= 0) columns_[ends.column_b + k] += row.b;
+    }
   std::fill(delassus_.begin(), delassus_.end(), o);
   std::fill(taken_.begin(), taken_.end(), o);
   dropped_ = 0;
@@ -69,26 +74,33 @@ template <class S>
 void LoopFactors<S>::eliminate_body(const System<S>& system, const BodyStep& step) {
   ArticulatedInertia<S>& M = star_[step.body];
   if (step.untouched)
-    M = expanded(system.bodies[step.body].inertia);
+    narrow_copy(expanded(system.bodies[step.body].inertia), M);
   else
     add(M, system.bodies[step.body].inertia);
-  ArticulatedInertia<S> rest = M;
-  for (int k = step.v; k < step.v + step.nv; ++k) {
-    const ColumnKind structure = kind(k);
-    const Wrench<S> U = times_column(rest, structure, system.columns[k]);
-    S N = project(structure, system.columns[k], U);
+  const auto release = [&](int k, const ArticulatedInertia<S>& inertia) {
+    const Wrench<S> U = times_column(inertia, kind(k), system.columns[k]);
+    S N = project(kind(k), system.columns[k], U);
     if (model_.has_armature()) N += S(model_.armature()[k]);
     freedoms_[k].inverse = S(1.0) / N;
     freedoms_[k].D = U * freedoms_[k].inverse;
-    if (step.parent != ground || k + 1 < step.v + step.nv) subtract_outer(rest, freedoms_[k].D, U);
+    return U;
+  };
+  if (step.parent == ground && step.nv == 1) {  // nothing is left of it
+    release(step.v, M);
+    return;
+  }
+  ArticulatedInertia<S> rest;
+  narrow_copy(M, rest);
+  for (int k = step.v; k < step.v + step.nv; ++k) {
+    const Wrench<S> U = release(k, rest);
+    subtract_outer(rest, freedoms_[k].D, U);
   }
   if (step.parent != ground) {
     if (step.first_to_parent)
-      star_[step.parent] = moved_inward(system.bodies[step.body].r, rest);
+      narrow_copy(moved_inward(system.bodies[step.body].r, rest), star_[step.parent]);
     else
       add(star_[step.parent], moved_inward(system.bodies[step.body].r, rest));
   }
-  if (step.columns > 0) with_rows(step.rows_each, [&](auto rows) { eliminate_columns<rows>(system, step); });
 }
 
 template <class S>
@@ -104,7 +116,8 @@ void LoopFactors<S>::eliminate_columns(const System<S>& system, const BodyStep& 
   for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
     const Attachment& a = plan_.attachments[at];
     for (int x = 0; x < (fixed ? fixed : a.rows); ++x) {
-      Wrench<S> e = columns_[step.first_column + a.column + x];
+      Wrench<S> e;
+      narrow_copy(columns_[step.first_column + a.column + x], e);
       for (int k = 0; k < step.nv; ++k) {
         const Freedom& freedom = freedoms_[step.v + k];
         const int here = k * w + a.column + x;
@@ -123,12 +136,9 @@ void LoopFactors<S>::eliminate_columns(const System<S>& system, const BodyStep& 
     S* const block = delassus_.data() + both.block;
     for (int k = 0; k < step.nv; ++k) {
       const S* const first = u + k * w + both.first;
-      S second[most_rows];  // a copy, which `block` cannot overlap
-      std::copy_n(responses_.data() + step.responses + k * w + both.second, columns, second);
-      for (int x = 0; x < rows; ++x) {
-        const S left = first[x];
-        for (int y = 0; y < columns; ++y) block[x * columns + y] += left * second[y];
-      }
+      const S* const second = responses_.data() + step.responses + k * w + both.second;
+      for (int x = 0; x < rows; ++x)
+        for (int y = 0; y < columns; ++y) block[x * columns + y] += first[x] * second[y];
     }
   }
 }
@@ -138,12 +148,13 @@ template <class S>
 template <int fixed>
 bool LoopFactors<S>::find_pivots(const ClosureStep& step, std::span<const char> counts) {
   const int m = fixed ? fixed : step.rows;
-  S rest[most_rows][most_rows], W[most_rows][most_rows];
+  S rest[most_rows][most_rows];
+  S* const W = weights_.data() + step.weights;
   bool left[most_rows];
   for (int r = 0; r < m; ++r) {
     left[r] = counts.empty() || counts[step.row + r];
     inverse_[step.row + r] = S(0.0);
-    for (int x = 0; x < m; ++x) rest[r][x] = delassus_[step.block + r * m + x], W[r][x] = S(r == x ? 1.0 : 0.0);
+    for (int x = 0; x < m; ++x) rest[r][x] = delassus_[step.block + x * m + r], W[r * m + x] = S(r == x ? 1.0 : 0.0);
   }
   int found = 0, wanted = 0;
   for (int r = 0; r < m; ++r) wanted += left[r];
@@ -163,12 +174,10 @@ bool LoopFactors<S>::find_pivots(const ClosureStep& step, std::span<const char> 
     for (int r = 0; r < m; ++r) {
       if (!left[r]) continue;
       const S factor = rest[r][best] * inverse;
-      for (int x = 0; x < m; ++x) rest[r][x] -= factor * rest[best][x], W[r][x] -= factor * W[best][x];
+      for (int x = 0; x < m; ++x) rest[r][x] -= factor * rest[best][x], W[r * m + x] -= factor * W[best * m + x];
     }
   }
   dropped_ += m - found;
-  for (int r = 0; r < m; ++r)
-    for (int x = 0; x < m; ++x) weights_[step.weights + r * m + x] = W[r][x];
   return counts.empty() || found == wanted;
 }
 
@@ -182,13 +191,12 @@ void LoopFactors<S>::eliminate_closure(const ClosureStep& step) {
     const Attachment& a = plan_.attachments[at];
     const int columns = fixed ? fixed : a.rows;
     S* const T = delassus_.data() + a.block;
-    S before[most_rows * most_rows];
-    std::copy_n(T, m * columns, before);
     for (int y = 0; y < columns; ++y) {
-      S taken(0.0);
+      S before[most_rows], taken(0.0);
+      for (int x = 0; x < m; ++x) before[x] = T[x * columns + y];
       for (int r = 0; r < m; ++r) {
-        S t = W[r * m] * before[y];
-        for (int x = 1; x < m; ++x) t += W[r * m + x] * before[x * columns + y];
+        S t = W[r * m] * before[0];
+        for (int x = 1; x < m; ++x) t += W[r * m + x] * before[x];
         T[r * columns + y] = t;
         taken += t * t * inverse[r];
       }
@@ -201,15 +209,12 @@ void LoopFactors<S>::eliminate_closure(const ClosureStep& step) {
     const S* const first = delassus_.data() + both.first;
     const S* const second = delassus_.data() + both.second;
     S* const block = delassus_.data() + both.block;
-    for (int x = 0; x < rows; ++x) {
-      S rest[most_rows];
-      std::copy_n(block + x * columns, columns, rest);
-      for (int r = 0; r < m; ++r) {
-        const S t = first[r * rows + x] * inverse[r];
-        for (int y = 0; y < columns; ++y) rest[y] -= t * second[r * columns + y];
+    for (int x = 0; x < rows; ++x)
+      for (int y = 0; y < columns; ++y) {
+        S rest = block[x * columns + y];
+        for (int r = 0; r < m; ++r) rest -= first[r * rows + x] * inverse[r] * second[r * columns + y];
+        block[x * columns + y] = rest;
       }
-      std::copy_n(rest, columns, block + x * columns);
-    }
   }
   if (step.body >= 0) hand_to_body<fixed>(step);
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "formulations/recursive-loops/narrow_copy.h"
+
 namespace lanc {
 
 template <class S>
@@ -65,14 +67,15 @@ void LoopSubstitution<S>::residual_of_bodies_and_closures(const Task& task) {
   for (std::size_t i = 0; i < load_.size(); ++i)
     load_[i] = task.rhs.force[i] - task.system.bodies[i].inertia * x.acceleration[i];
   gamma_ = task.rhs.closure;
-  const ClosureSet& set = task.factors.model().closures();
-  for (const Closure& c : set.closures)
-    for (int k = c.row; k < c.row + c.conditions().count; ++k) {
+  for (const ClosureEnds& ends : task.factors.plan().ends)
+    for (int k = ends.row; k < ends.row + ends.rows; ++k) {
       const auto& row = task.system.closure_rows[k];
-      if (c.body_a != ground) gamma_[k] += dot(x.acceleration[c.body_a], row.a), load_[c.body_a] += row.a * x.lambda[k];
-      if (c.body_b != ground) gamma_[k] += dot(x.acceleration[c.body_b], row.b), load_[c.body_b] += row.b * x.lambda[k];
+      if (ends.body_a != ground)
+        gamma_[k] += dot(x.acceleration[ends.body_a], row.a), load_[ends.body_a] += row.a * x.lambda[k];
+      if (ends.body_b != ground)
+        gamma_[k] += dot(x.acceleration[ends.body_b], row.b), load_[ends.body_b] += row.b * x.lambda[k];
     }
-  for (const Coupler& c : set.couplers)
+  for (const Coupler& c : task.factors.model().closures().couplers)
     for (const Coupler::Term& term : c.terms) gamma_[c.row] += S(term.factor) * x.vdot[term.v];
 }
 
@@ -84,11 +87,12 @@ void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
   const Attachment* const attachments = plan.attachments.data();
   const Range around = step.attachments;
   const int i = step.body;
-  Wrench<S> rest = load_[i];
+  Wrench<S> rest;
+  narrow_copy(load_[i], rest);
   if constexpr (pass != Pass::correction) {
     const Motion<S>& bias = task.rhs.bias[i];
     rest -= factors.star(i) * bias;
-    load_[i] = rest;
+    narrow_copy(rest, load_[i]);
     const Wrench<S>* const e = factors.columns(step.first_column);
     for (int at = around.begin; at < around.end; ++at) {
       const Attachment& a = attachments[at];
@@ -145,10 +149,10 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
     add_along(factors.kind(v), task.system.columns[v], vdot, a);
   }
   if constexpr (pass == Pass::correction) {
-    delta_[i] = a;
+    narrow_copy(a, delta_[i]);
     solution.acceleration[i] += a;
   } else {
-    solution.acceleration[i] = a + task.rhs.bias[i];
+    narrow_copy(a + task.rhs.bias[i], solution.acceleration[i]);
   }
   if constexpr (pass == Pass::first) return;
   Wrench<S> f = factors.star(i) * a - load_[i];
@@ -157,7 +161,7 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
     const Attachment& m = attachments[at];
     for (int x = 0; x < (fixed ? fixed : m.rows); ++x) f -= e[m.column + x] * lambda_[m.row + x];
   }
-  solution.wrench[i] = f;
+  narrow_copy(f, solution.wrench[i]);
 }
 
 template <class S>
