@@ -181,7 +181,6 @@ class Planner {
   void write_body(int i);
   void write_closure(int c);
   Range write_meetings(const Set& around, const std::vector<int>& places);
-  int rows_each(const Set& closures) const;
   int column_at(int body, int closure) const;
 
   const Model& model_;
@@ -222,6 +221,11 @@ void Planner::run(double most_operations) {
     order_.push_back(node);
   }
   touched_.resize(model_.bodies());
+  for (int c = 0; c < graph_.closures(); ++c) {
+    const int rows = graph_.closure(c).rows;
+    plan_.rows_each = c == 0 || rows == plan_.rows_each ? rows : 0;
+    if (plan_.rows_each == 0) break;
+  }
   lay_out_columns();
   lay_out_blocks();
   for (const int node : order_) {
@@ -303,14 +307,6 @@ Range Planner::write_meetings(const Set& around, const std::vector<int>& places)
   return range;
 }
 
-/// The number of rows of all of them, or 0.
-int Planner::rows_each(const Set& closures) const {
-  const int rows = closures.empty() ? 0 : graph_.closure(closures.front()).rows;
-  for (const int c : closures)
-    if (graph_.closure(c).rows != rows) return 0;
-  return rows;
-}
-
 void Planner::write_body(int i) {
   const Link& link = model_.link(i);
   BodyStep step{.body = i, .parent = link.parent, .v = link.v, .nv = link.nv, .first_column = first_column_[i]};
@@ -325,7 +321,6 @@ void Planner::write_body(int i) {
     step.columns += closure.rows;
   }
   step.attachments.end = static_cast<int>(plan_.attachments.size());
-  step.rows_each = rows_each(body_around_[i]);
   step.untouched = !touched_[i];
   if (link.parent != ground) step.first_to_parent = !std::exchange(touched_[link.parent], true);
   step.meetings = write_meetings(body_around_[i], columns);
@@ -357,9 +352,6 @@ void Planner::write_closure(int c) {
                    .body = body,
                    .first_column = body < 0 ? -1 : column_at(body, c)};
   plan_.weights += m * m;
-  Set all = closure_around_[c];
-  insert(all, c);
-  step.rows_each = rows_each(all);
   if (body >= 0) step.first_to_body = !std::exchange(touched_[body], true);
   step.attachments.begin = static_cast<int>(plan_.attachments.size());
   std::vector<int> blocks;

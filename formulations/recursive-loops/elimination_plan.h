@@ -41,7 +41,6 @@ struct BodyStep {
   int v, nv;
   int first_column, columns;  // in the array of all columns
   int responses;              // of C_kᵀ e / N_k, nv × columns, in the array of all responses
-  int rows_each;              // of every attachment, or 0 where they differ
   bool untouched;             // nothing was handed to its inertia before
   bool first_to_parent;       // nor to that of the parent
   Range attachments, meetings, terms;
@@ -53,7 +52,6 @@ struct ClosureStep {
   int block;               // of the closure with itself
   int weights;             // rows × rows numbers of its factor, in an array of their own
   int body, first_column;  // −1: all is gone
-  int rows_each;           // of itself and every attachment, or 0 where they differ
   bool first_to_body;      // nothing was handed to its inertia before
   Range attachments, meetings;
 };
@@ -89,6 +87,7 @@ struct EliminationPlan {
   std::vector<Meeting> meetings;
   std::vector<DirectTerm> terms;
   std::vector<ClosureEnds> ends;                              // of the closures between bodies
+  int rows_each = 0;                                          // of every closure, or 0 where they differ
   int columns = 0, responses = 0, delassus = 0, weights = 0;  // sizes of the numeric arrays
   int most_responses = 0;                                     // of one step
   double operations = 0;  // about, of one factorisation; infinite when the limit was passed, and there is no plan

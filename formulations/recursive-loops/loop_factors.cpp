@@ -37,20 +37,22 @@ LoopFactors<S>::LoopFactors(const Model& model, EliminationPlan plan)
 template <class S>
 bool LoopFactors<S>::factorise(const System<S>& system, std::span<const char> counts) {
   start(system);
+  return with_rows(plan_.rows_each, [&](auto rows) { return eliminate<rows>(system, counts); });
+}
+
+template <class S>
+template <int fixed>
+bool LoopFactors<S>::eliminate(const System<S>& system, std::span<const char> counts) {
   for (const int at : plan_.order) {
     if (at >= 0) {
       const BodyStep& step = plan_.bodies[at];
       eliminate_body(system, step);
-      if (step.columns > 0) with_rows(step.rows_each, [&](auto rows) { eliminate_columns<rows>(system, step); });
-      continue;
+      if (step.columns > 0) eliminate_columns<fixed>(system, step);
+    } else {
+      const ClosureStep& step = plan_.closures[-1 - at];
+      if (!find_pivots<fixed>(step, counts)) return false;
+      eliminate_closure<fixed>(step);
     }
-    const ClosureStep& step = plan_.closures[-1 - at];
-    bool regular = false;
-    with_rows(step.rows_each, [&](auto rows) {
-      regular = find_pivots<rows>(step, counts);
-      if (regular) eliminate_closure<rows>(step);
-    });
-    if (!regular) return false;
   }
   return true;
 }

@@ -8,10 +8,10 @@
 
 namespace lanc {
 
-/// Calls f with the number of rows as a constant where it is a frequent one, else with 0: loops over the rows of
-/// closures are then unrolled, which makes of a ladder's factors a third of the time.
+/// Calls f with the number of rows of all closures as a constant where it is a frequent one, else with 0: loops over
+/// the rows are then unrolled, which makes of a ladder's factors a third of the time.
 template <class F>
-inline void with_rows(int rows_each, F&& f) {
+inline auto with_rows(int rows_each, F&& f) {
   switch (rows_each) {
     case 3: return f(std::integral_constant<int, 3>());
     case 6: return f(std::integral_constant<int, 6>());
@@ -65,6 +65,8 @@ class LoopFactors {
 
  private:
   void start(const System<S>& system);
+  template <int fixed>
+  bool eliminate(const System<S>& system, std::span<const char> counts);
   void eliminate_body(const System<S>& system, const BodyStep& step);
   template <int fixed>
   void eliminate_columns(const System<S>& system, const BodyStep& step);

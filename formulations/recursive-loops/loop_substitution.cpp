@@ -39,25 +39,28 @@ void LoopSubstitution<S>::solve(const LoopFactors<S>& factors, const System<S>& 
 template <class S>
 template <typename LoopSubstitution<S>::Pass pass>
 void LoopSubstitution<S>::sweep(const Task& task) {
+  if constexpr (pass == Pass::only)
+    sweep_rows<pass, 0>(task);
+  else
+    with_rows(task.factors.plan().rows_each, [&](auto rows) { sweep_rows<pass, rows>(task); });
+}
+
+template <class S>
+template <typename LoopSubstitution<S>::Pass pass, int fixed>
+void LoopSubstitution<S>::sweep_rows(const Task& task) {
   const EliminationPlan& plan = task.factors.plan();
   for (const int at : plan.order) {
-    if (at >= 0) {
-      const BodyStep& step = plan.bodies[at];
-      with_rows(step.rows_each, [&](auto rows) { forward_body<pass, rows>(task, step); });
-    } else {
-      const ClosureStep& step = plan.closures[-1 - at];
-      with_rows(step.rows_each, [&](auto rows) { forward_closure<rows>(task.factors, step); });
-    }
+    if (at >= 0)
+      forward_body<pass, fixed>(task, plan.bodies[at]);
+    else
+      forward_closure<fixed>(task.factors, plan.closures[-1 - at]);
   }
   const std::vector<Motion<S>>& a = pass == Pass::correction ? delta_ : task.solution.acceleration;
   for (auto at = plan.order.rbegin(); at != plan.order.rend(); ++at) {
-    if (*at >= 0) {
-      const BodyStep& step = plan.bodies[*at];
-      with_rows(step.rows_each, [&](auto rows) { backward_body<pass, rows>(task, step); });
-    } else {
-      const ClosureStep& step = plan.closures[-1 - *at];
-      with_rows(step.rows_each, [&](auto rows) { backward_closure<rows>(task.factors, step, a); });
-    }
+    if (*at >= 0)
+      backward_body<pass, fixed>(task, plan.bodies[*at]);
+    else
+      backward_closure<fixed>(task.factors, plan.closures[-1 - *at], a);
   }
 }
 
