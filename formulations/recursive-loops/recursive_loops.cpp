@@ -36,28 +36,23 @@ class RecursiveLoops final : public Formulation<S> {
   void assemble(const System<S>&) override {}
 
   Outcome factorise(const System<S>& system) override {
-    const Model& model = this->model();
-    if (!model.has_closures()) {
+    if (!this->model().has_closures()) {
       present_ = by_path_.get();
       by_path_->factorise(system);
       return {};
     }
     const ClosureDecision& decision = this->closures();
-    present_ = nullptr;
     if constexpr (std::is_same_v<S, double>)
-      if (sparse_ && sparse_->factorise(system, decision.independent)) return {};
+      if (sparse_ && sparse_->factorise(system, decision.independent)) {
+        present_ = nullptr;
+        return {};
+      }
     if (by_path_) {
       present_ = by_path_.get();
-      if (present_->factorise(system) && present_->dropped() == decision.redundant) return {};
-      if (present_->factorise(system, decision.independent)) return {};
+      const bool regular = present_->factorise(system);
+      if (regular && (decision.by_pivots || present_->dropped() == decision.redundant)) return {};
     }
-    constexpr std::size_t most_closures = 200;  // every body meets every closure
-    if (model.closures().closures.size() + model.closures().couplers.size() <= most_closures) {
-      if (!bodies_first_)
-        bodies_first_ = std::make_unique<LoopFactors<S>>(model, EliminationPlan(model, EliminationRule::bodies_first));
-      present_ = bodies_first_.get();
-      if (present_->factorise(system, decision.independent)) return {};
-    }
+    if (!decision.by_pivots && factorise_independent(system)) return {};
     return {Status::objection,
             "the mass matrix of the tree that is left without its loops is singular or not positive definite, and this "
             "formulation divides by it; take one that does not, such as dense, nullspace or eq14-umfpack"};
@@ -67,6 +62,8 @@ class RecursiveLoops final : public Formulation<S> {
     if (present_) return substitution_.solve(*present_, system, rhs, solution);
     if constexpr (std::is_same_v<S, double>) sparse_->substitute(system, rhs, solution);
   }
+
+  int dropped_rows() const override { return by_path_ && !sparse_ ? by_path_->dropped() : -1; }
 
   /// Of the sparse matrix, where it is taken.
   std::optional<LibraryStatistics> statistics() const override {
@@ -81,6 +78,18 @@ class RecursiveLoops final : public Formulation<S> {
   }
 
  private:
+  bool factorise_independent(const System<S>& system) {
+    const std::vector<char>& independent = this->closures().independent;
+    if (by_path_ && by_path_->factorise(system, independent)) return true;
+    const ClosureSet& set = this->model().closures();
+    constexpr std::size_t most = 200;  // every body meets every closure
+    if (set.closures.size() + set.couplers.size() > most) return false;
+    if (!bodies_first_)
+      bodies_first_ = std::make_unique<LoopFactors<S>>(this->model(),
+                                                       EliminationPlan(this->model(), EliminationRule::bodies_first));
+    present_ = bodies_first_.get();
+    return present_->factorise(system, independent);
+  }
   static double unknowns(const Model& model) { return 12.0 * model.bodies() + model.nv() + model.closures().rows(); }
   static bool may_be_sparse(const Model& model) {
     return std::is_same_v<S, double> && model.has_closures() && !model.has_singular_inertia() &&

@@ -11,6 +11,7 @@
 #include "lib/formulation/formulation.h"
 #include "lib/io/mechanism.h"
 #include "lib/report/phases.h"
+#include "lib/system/equations.h"
 #include "lib/system/evaluator.h"
 #include "tests/support/loop_cases.h"
 #include "tests/support/naive.h"
@@ -310,6 +311,52 @@ TEST(RecursiveLoops, a_massless_body_keeps_the_block_elimination_however_it_fill
   const Outcome outcome = formulation().create_double(c.model)->solve(evaluator.system(c.state), solution);
   EXPECT_EQ(outcome.status, Status::redundant) << outcome.message;
   EXPECT_TRUE(within_relative(c.name, error(c, solution), 1e-10, 1));
+}
+
+TEST(RecursiveLoops, a_held_rank_by_pivots_gives_the_accelerations_of_singular_values) {
+  for (const Case& c : closed_loops()) {
+    Evaluator<double> evaluator(c.model);
+    const System<double>& system = evaluator.system(c.state, c.loads);
+    const auto solver = formulation().create_double(c.model);
+    Solution<double> automatic(c.model), held(c.model);
+    const Outcome first = solver->solve(system, automatic);
+    ASSERT_TRUE(first.usable()) << c.name;
+    const Outcome outcome = solver->solve(system, held, {.rank = first.rank, .by_pivots = true});
+    EXPECT_EQ(outcome.status, first.status) << c.name << ": " << outcome.message;
+    EXPECT_EQ(outcome.redundant, first.redundant) << c.name;
+    EXPECT_TRUE(std::isnan(outcome.sigma)) << c.name << ": singular values were taken all the same";
+    const Norms off = difference(c.model, held, automatic), size = norms(c.model, automatic);
+    EXPECT_TRUE(within_relative(c.name, std::max(off.vdot, off.acceleration), 1e-11, size.acceleration));
+    // other wrenches, and the same balance
+    EXPECT_LT(backward_error(system, held).componentwise, 1e-11) << c.name;
+    for (const int wrong : {first.rank - 1, first.rank + 1}) {
+      const Outcome other = solver->solve(system, held, {.rank = wrong, .by_pivots = true});
+      EXPECT_FALSE(std::isnan(other.sigma)) << c.name << ": a rank that pivots do not find is for singular values";
+    }
+  }
+}
+
+TEST(RecursiveLoops, a_held_rank_by_pivots_does_not_hide_that_conditions_contradict) {
+  Mechanism m = load_mechanism("four-bar-ladder:3");
+  ModelSpec spec = m.model.spec();
+  ClosureSpec rod = spec.closures[0];
+  rod.name = "driven again", rod.kind = *find_closure_kind("distance");
+  rod.body_a = "", rod.frame_a.position = Eigen::Vector3d(-1, 0, 0);
+  rod.frame_b.position = Eigen::Vector3d(0, 0, 1);
+  const double angle = 0.7, length = std::hypot(2 + std::sin(angle), std::cos(angle));
+  rod.motion = Polynomial{{length, 0.0, 3.0}};
+  spec.closures.push_back(rod);
+  spec.closures.push_back(rod);
+  spec.closures.back().name = "driven otherwise", spec.closures.back().motion = Polynomial{{length, 0.0, 1.0}};
+  const Model model = Model::build(spec);
+  std::fill(m.state.v.begin(), m.state.v.end(), 0.0);
+  Evaluator<double> evaluator(model);
+  const System<double>& system = evaluator.system(m.state);
+  const auto solver = formulation().create_double(model);
+  Solution<double> solution(model);
+  const Outcome automatic = solver->solve(system, solution);
+  EXPECT_EQ(automatic.status, Status::inconsistent) << automatic.message;
+  EXPECT_FALSE(solver->solve(system, solution, {.rank = automatic.rank, .by_pivots = true}).usable());
 }
 
 TEST(RecursiveLoops, near_a_singular_position_an_answer_is_right_or_none) {
