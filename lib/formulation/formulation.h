@@ -79,13 +79,13 @@ class Formulation {
   /// lose; never changes a right answer.
   double refine(const System<S>& system, Solution<S>& solution);
 
+  /// Fill-in, memory and flops where a library does the work; nothing where this project does. May take O(factors).
+  virtual std::optional<LibraryStatistics> statistics() const { return std::nullopt; }
+
   /// Closure rows the last factorise() dropped because its own pivots found them dependent; −1 where it takes the
   /// independent rows it is told. Asked where RankPolicy::by_pivots holds a rank: with as many rows dropped as it
   /// leaves, no singular values are needed; with another number they decide, and factorise() comes once more.
   virtual int dropped_rows() const { return -1; }
-
-  /// Fill-in, memory and flops where a library does the work; nothing where this project does. May take O(factors).
-  virtual std::optional<LibraryStatistics> statistics() const { return std::nullopt; }
 
  protected:
   const Model& model() const { return model_; }
