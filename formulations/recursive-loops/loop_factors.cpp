@@ -108,11 +108,31 @@ void LoopFactors<S>::eliminate_body(const System<S>& system, const BodyStep& ste
 template <class S>
 template <int fixed>
 void LoopFactors<S>::eliminate_columns(const System<S>& system, const BodyStep& step) {
+  if (step.nv == 1 && kind(step.v) == ColumnKind::rotation && step.terms.begin == step.terms.end)
+    release_hinge<fixed>(system, step);
+  else
+    release_columns<fixed>(system, step);
   const int w = step.columns;
-  const Vec3<S> r = system.bodies[step.body].r;
-  const bool direct = step.terms.begin < step.terms.end;  // couplers act on its velocities
+  for (int m = step.meetings.begin; m < step.meetings.end; ++m) {
+    const Meeting& both = plan_.meetings[m];
+    const int rows = fixed ? fixed : both.first_rows, columns = fixed ? fixed : both.second_rows;
+    S* const block = delassus_.data() + both.block;
+    for (int k = 0; k < step.nv; ++k) {
+      const S* const first = scratch_.data() + k * w + both.first;
+      const S* const second = responses_.data() + step.responses + k * w + both.second;
+      for (int x = 0; x < rows; ++x)
+        for (int y = 0; y < columns; ++y) block[x * columns + y] += first[x] * second[y];
+    }
+  }
+}
+
+/// u, u / N, and what is left of the columns handed to the parent.
+template <class S>
+template <int fixed>
+void LoopFactors<S>::release_columns(const System<S>& system, const BodyStep& step) {
+  const int w = step.columns;
   S* const u = scratch_.data();
-  if (direct) std::fill_n(u, step.nv * w, S(0.0));
+  std::fill_n(u, step.nv * w, S(0.0));
   for (int t = step.terms.begin; t < step.terms.end; ++t)
     u[plan_.terms[t].freedom * w + plan_.terms[t].column] += S(plan_.terms[t].factor);
   for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
@@ -123,24 +143,31 @@ void LoopFactors<S>::eliminate_columns(const System<S>& system, const BodyStep& 
       for (int k = 0; k < step.nv; ++k) {
         const Freedom& freedom = freedoms_[step.v + k];
         const int here = k * w + a.column + x;
-        S along = project(kind(step.v + k), system.columns[step.v + k], e);
-        if (direct) along += u[here];
-        u[here] = along;
+        const S along = u[here] += project(kind(step.v + k), system.columns[step.v + k], e);
         responses_[step.responses + here] = along * freedom.inverse;
         if (a.to >= 0 || k + 1 < step.nv) e -= freedom.D * along;
       }
-      if (a.to >= 0) columns_[a.to + x] += moved_inward(r, e);
+      if (a.to >= 0) columns_[a.to + x] += moved_inward(system.bodies[step.body].r, e);
     }
   }
-  for (int m = step.meetings.begin; m < step.meetings.end; ++m) {
-    const Meeting& both = plan_.meetings[m];
-    const int rows = fixed ? fixed : both.first_rows, columns = fixed ? fixed : both.second_rows;
-    S* const block = delassus_.data() + both.block;
-    for (int k = 0; k < step.nv; ++k) {
-      const S* const first = u + k * w + both.first;
-      const S* const second = responses_.data() + step.responses + k * w + both.second;
-      for (int x = 0; x < rows; ++x)
-        for (int y = 0; y < columns; ++y) block[x * columns + y] += first[x] * second[y];
+}
+
+/// The same for one hinge without couplers: a tenth of the time of a ladder's factors.
+template <class S>
+template <int fixed>
+void LoopFactors<S>::release_hinge(const System<S>& system, const BodyStep& step) {
+  Wrench<S> D;
+  narrow_copy(freedoms_[step.v].D, D);
+  const S inverse = freedoms_[step.v].inverse;
+  const Vec3<S> axis = system.columns[step.v].angular, r = system.bodies[step.body].r;
+  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
+    const Attachment& a = plan_.attachments[at];
+    for (int x = 0; x < (fixed ? fixed : a.rows); ++x) {
+      const Wrench<S>& e = columns_[step.first_column + a.column + x];
+      const S along = dot(axis, e.moment);
+      scratch_[a.column + x] = along;
+      responses_[step.responses + a.column + x] = along * inverse;
+      if (a.to >= 0) columns_[a.to + x] += moved_inward(r, e - D * along);
     }
   }
 }
@@ -162,13 +189,13 @@ bool LoopFactors<S>::find_pivots(const ClosureStep& step, std::span<const char> 
   for (int r = 0; r < m; ++r) wanted += left[r];
   for (; found < wanted; ++found) {
     int best = -1;
-    double largest = counts.empty() ? vanishing_pivot : 0;
+    double largest = counts.empty() ? vanishing_pivot : 0, unit = 1;  // the pivot of `best`, and what it is measured in
     for (int r = 0; r < m; ++r) {
       if (!left[r]) continue;
       const double pivot = to_double(rest[r][r]);
       const double size = std::max(free_[step.row + r], pivot + to_double(taken_[step.row + r]));
       if (!(pivot >= -vanishing_pivot * size && pivot < 1e300)) return false;
-      if (pivot > largest * size) largest = pivot / size, best = r;
+      if (pivot * unit > largest * size) largest = pivot, unit = size, best = r;
     }
     if (best < 0) break;
     left[best] = false;

@@ -71,6 +71,10 @@ class LoopFactors {
   template <int fixed>
   void eliminate_columns(const System<S>& system, const BodyStep& step);
   template <int fixed>
+  void release_columns(const System<S>& system, const BodyStep& step);
+  template <int fixed>
+  void release_hinge(const System<S>& system, const BodyStep& step);
+  template <int fixed>
   bool find_pivots(const ClosureStep& step, std::span<const char> counts);
   template <int fixed>
   void eliminate_closure(const ClosureStep& step);
