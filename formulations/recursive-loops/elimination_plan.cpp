@@ -1,6 +1,7 @@
 #include "formulations/recursive-loops/elimination_plan.h"
 
 #include <algorithm>
+#include <iterator>
 #include <queue>
 #include <utility>
 
@@ -17,6 +18,15 @@ void insert(Set& set, int x) {
 void erase(Set& set, int x) {
   const auto at = std::lower_bound(set.begin(), set.end(), x);
   if (at != set.end() && *at == x) set.erase(at);
+}
+
+/// set ∪ others without x.
+void unite(Set& set, const Set& others, int x) {
+  Set all;
+  all.reserve(set.size() + others.size());
+  std::set_union(set.begin(), set.end(), others.begin(), others.end(), std::back_inserter(all));
+  erase(all, x);
+  set.swap(all);
 }
 
 /// The graph of what is not eliminated yet.
@@ -143,8 +153,7 @@ void QuotientGraph::eliminate_body(int i) {
       closures_[c].grounded = true;
     else
       meet(c, parent);
-    for (const int d : around)
-      if (d != c) insert(closures_[c].closures, d);
+    unite(closures_[c].closures, around, c);
   }
   for (const int c : around) consider(-1 - c);
   if (parent != ground) consider(parent);
@@ -157,8 +166,7 @@ void QuotientGraph::eliminate_closure(int c) {
   for (const int i : bodies) erase(bodies_[i].closures, c);
   for (const int d : around) {
     erase(closures_[d].closures, c);
-    for (const int e : around)
-      if (e != d) insert(closures_[d].closures, e);
+    unite(closures_[d].closures, around, d);
     for (const int i : bodies) meet(d, i);
     if (closures_[c].grounded) closures_[d].grounded = true;
   }

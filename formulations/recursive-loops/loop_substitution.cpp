@@ -31,7 +31,7 @@ void LoopSubstitution<S>::solve(const LoopFactors<S>& factors, const System<S>& 
   if (!factors.model().has_closures()) return sweep<Pass::only>(task);
   sweep<Pass::first>(task);
   solution.lambda = lambda_;
-  residual_of_bodies_and_closures(task);
+  residual_of_closures(task);
   sweep<Pass::correction>(task);
   for (std::size_t k = 0; k < lambda_.size(); ++k) solution.lambda[k] += lambda_[k];
 }
@@ -64,11 +64,10 @@ void LoopSubstitution<S>::sweep_rows(const Task& task) {
   }
 }
 
+/// And what multipliers do to the bodies, which backward_body() has left out of theirs.
 template <class S>
-void LoopSubstitution<S>::residual_of_bodies_and_closures(const Task& task) {
+void LoopSubstitution<S>::residual_of_closures(const Task& task) {
   const Solution<S>& x = task.solution;
-  for (std::size_t i = 0; i < load_.size(); ++i)
-    load_[i] = task.rhs.force[i] - task.system.bodies[i].inertia * x.acceleration[i];
   gamma_ = task.rhs.closure;
   for (const ClosureEnds& ends : task.factors.plan().ends)
     for (int k = ends.row; k < ends.row + ends.rows; ++k) {
@@ -155,9 +154,13 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
     narrow_copy(a, delta_[i]);
     solution.acceleration[i] += a;
   } else {
-    narrow_copy(a + task.rhs.bias[i], solution.acceleration[i]);
+    const Motion<S> whole = a + task.rhs.bias[i];
+    narrow_copy(whole, solution.acceleration[i]);
+    if constexpr (pass == Pass::first) {  // for the residual
+      narrow_copy(task.rhs.force[i] - task.system.bodies[i].inertia * whole, load_[i]);
+      return;
+    }
   }
-  if constexpr (pass == Pass::first) return;
   Wrench<S> f = factors.star(i) * a - load_[i];
   const Wrench<S>* const e = factors.columns(step.first_column);
   for (int at = around.begin; at < around.end; ++at) {

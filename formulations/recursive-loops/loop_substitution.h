@@ -35,7 +35,7 @@ class LoopSubstitution {
   void sweep(const Task& task);
   template <Pass pass, int fixed>
   void sweep_rows(const Task& task);
-  void residual_of_bodies_and_closures(const Task& task);
+  void residual_of_closures(const Task& task);
   template <Pass pass, int fixed>
   void forward_body(const Task& task, const BodyStep& step);
   template <Pass pass, int fixed>

@@ -41,6 +41,11 @@ class RecursiveLoops final : public Formulation<S> {
       by_path_->factorise(system);
       return {};
     }
+    if (!by_path_ && !sparse_)
+      return {
+          Status::objection,
+          "leaf first the loops of this model fill beyond 1e9 operations, and the sparse matrix that would do takes "
+          "bodies with regular inertia only, and double"};
     const ClosureDecision& decision = this->closures();
     if constexpr (std::is_same_v<S, double>)
       if (sparse_ && sparse_->factorise(system, decision.independent)) {
@@ -95,10 +100,12 @@ class RecursiveLoops final : public Formulation<S> {
     return std::is_same_v<S, double> && model.has_closures() && !model.has_singular_inertia() &&
            !Eq14Matrix<double>::objection(model);
   }
-  /// Beyond, not even a plan is made.
+  /// Beyond, not even a plan is made: where there is another way it is long the better one, where there is none the
+  /// plan would take gigabytes.
   static double most_operations(const Model& model) {
-    constexpr double hopeless = 100;
-    return may_be_sparse(model) ? hopeless * per_unknown * unknowns(model) : std::numeric_limits<double>::infinity();
+    if (!model.has_closures()) return std::numeric_limits<double>::infinity();
+    constexpr double hopeless = 5, most = 1e9;
+    return may_be_sparse(model) ? hopeless * per_unknown * unknowns(model) : most;
   }
 
   std::unique_ptr<LoopFactors<S>> by_path_;
