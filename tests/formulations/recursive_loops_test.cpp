@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "formulations/recursive-loops/loop_substitution.h"
-#include "formulations/recursive-loops/quasi_definite.h"
 #include "lib/formulation/formulation.h"
 #include "lib/io/mechanism.h"
 #include "lib/report/phases.h"
@@ -21,73 +20,6 @@ namespace lanc::test {
 namespace {
 
 const FormulationInfo& formulation() { return *find_formulation("recursive-loops"); }
-
-/// A rod of 1 m and 1 kg on a hinge about y.
-void add_rod(ModelSpec& spec, const std::string& name, const Eigen::Vector3d& tip, const std::string& parent,
-             const Eigen::Vector3d& at) {
-  BodySpec body;
-  body.name = name;
-  body.mass = 1, body.com = tip / 2;
-  body.inertia = Eigen::Matrix3d(Eigen::Vector3d(0.1, 0.1, 0.1).asDiagonal());
-  spec.bodies.push_back(body);
-  JointSpec joint;
-  joint.name = "j_" + name, joint.kind = *find_joint_kind("revolute");
-  joint.parent = parent, joint.body = name, joint.frame.position = at, joint.axis = Eigen::Vector3d::UnitY();
-  spec.joints.push_back(joint);
-}
-
-ClosureSpec point(const std::string& name, const std::string& a, const Eigen::Vector3d& on_a, const std::string& b,
-                  const Eigen::Vector3d& on_b) {
-  ClosureSpec closure;
-  closure.name = name, closure.kind = *find_closure_kind("point-on-point");
-  closure.body_a = a, closure.body_b = b;
-  closure.frame_a.position = on_a, closure.frame_b.position = on_b;
-  return closure;
-}
-
-ModelSpec empty_spec(const std::string& name) {
-  ModelSpec spec;
-  spec.name = name;
-  spec.gravity = {0, 0, -9.81};
-  spec.length = 1;
-  return spec;
-}
-
-const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), z = Eigen::Vector3d::UnitZ();
-
-/// A ladder of n four-bars whose couplers are one chain: uprights hang on it, and each is tied to the ground.
-Case long_chain_tied_to_ground(int n, double angle = 0.7) {
-  ModelSpec spec = empty_spec("chain tied to ground");
-  add_rod(spec, "u0", z, "", {0, 0, 0});
-  std::vector<double> q = {angle};
-  for (int i = 1; i <= n; ++i) {
-    const std::string number = std::to_string(i);
-    add_rod(spec, "c" + number, x, i == 1 ? "u0" : "c" + std::to_string(i - 1), i == 1 ? z : x);
-    add_rod(spec, "u" + number, -z, "c" + number, x);
-    q.push_back(i == 1 ? -angle : 0), q.push_back(angle);
-    spec.closures.push_back(point("tie" + number, "u" + number, -z, "", i * x));
-  }
-  Case c{spec.name, Model::build(spec), {}, {}};
-  c.state = {0, q, std::vector<double>(q.size(), 0.0)};
-  return c;
-}
-
-/// Two chains side by side with n rungs between them, the lowest rods at an angle.
-Case chains_with_rungs(int n, double angle = 0.7) {
-  ModelSpec spec = empty_spec("chains with rungs");
-  std::vector<double> q;
-  for (int i = 1; i <= n; ++i) {
-    const std::string number = std::to_string(i), below = std::to_string(i - 1);
-    add_rod(spec, "a" + number, z, i == 1 ? "" : "a" + below, i == 1 ? 0 * x : z);
-    add_rod(spec, "b" + number, z, i == 1 ? "" : "b" + below, i == 1 ? x : z);
-    add_rod(spec, "r" + number, x, "a" + number, z);
-    q.insert(q.end(), {i == 1 ? angle : 0, i == 1 ? angle : 0, -angle});
-    spec.closures.push_back(point("rung" + number, "r" + number, x, "b" + number, z));
-  }
-  Case c{spec.name, Model::build(spec), {}, {}};
-  c.state = {0, q, std::vector<double>(q.size(), 0.0)};
-  return c;
-}
 
 bool is_sparse(const Model& model) { return formulation().create_double(model)->statistics().has_value(); }
 
@@ -280,66 +212,6 @@ TEST(RecursiveLoops, takes_the_sparse_matrix_where_leaf_first_fills_and_only_the
     EXPECT_EQ(outcome.status, Status::redundant) << c.name << ": " << outcome.message;
     EXPECT_TRUE(within_relative(c.name, error(c, solution), 1e-11, 1));
   }
-}
-
-TEST(QuasiDefinite, agrees_with_the_block_elimination_after_few_steps) {
-  std::vector<Case> cases = closed_loops();
-  cases.push_back(long_chain_tied_to_ground(12));
-  cases.push_back(chains_with_rungs(12));
-  int compared = 0;
-  for (const Case& c : cases) {
-    if (c.model.has_singular_inertia()) continue;
-    Evaluator<double> evaluator(c.model);
-    const System<double>& system = evaluator.system(c.state, c.loads);
-    ClosureRank<double> rank(c.model);
-    const ClosureDecision& decision = rank.decide(system);
-    RightHandSide<double> rhs = system.rhs;
-    for (std::size_t k = 0; k < rhs.closure.size(); ++k) rhs.closure[k] += decision.correction[k];
-    QuasiDefinite sparse(c.model);
-    ASSERT_TRUE(sparse.factorise(system, decision.independent)) << c.name;
-    Solution<double> solution(c.model);
-    sparse.substitute(system, rhs, solution);
-    EXPECT_LE(sparse.steps(), 6) << c.name;
-    LoopFactors<double> factors(c.model, EliminationPlan(c.model));
-    ASSERT_TRUE(factors.factorise(system)) << c.name;
-    Solution<double> expected(c.model);
-    LoopSubstitution<double>(c.model).solve(factors, system, rhs, expected);
-    EXPECT_TRUE(within_relative(c.name, difference(c.model, solution, expected).vdot, 1e-10,
-                                norms(c.model, expected).acceleration));
-    ++compared;
-  }
-  EXPECT_GE(compared, 10);
-}
-
-TEST(QuasiDefinite, fills_in_proportion_to_the_number_of_loops) {
-  for (const auto make : {long_chain_tied_to_ground, chains_with_rungs}) {
-    const double few = QuasiDefinite(make(60, 0.7).model).statistics().factorise_flops;
-    const double many = QuasiDefinite(make(120, 0.7).model).statistics().factorise_flops;
-    EXPECT_LT(many, 2.2 * few);
-  }
-}
-
-TEST(QuasiDefinite, finds_an_equilibrium_at_rest) {
-  const Case c = long_chain_tied_to_ground(60, 0.0);
-  Evaluator<double> evaluator(c.model);
-  Solution<double> solution(c.model);
-  const System<double>& system = evaluator.system(c.state);
-  ClosureRank<double> rank(c.model);
-  QuasiDefinite sparse(c.model);
-  ASSERT_TRUE(sparse.factorise(system, rank.decide(system).independent));
-  sparse.substitute(system, system.rhs, solution);
-  for (const double vdot : solution.vdot) EXPECT_NEAR(vdot, 0, 1e-12 * 9.81);
-}
-
-TEST(QuasiDefinite, says_so_when_an_inertia_is_not_positive_definite) {
-  ModelSpec spec = long_chain_tied_to_ground(4).model.spec();
-  spec.bodies[2].inertia *= -10;
-  spec.bodies[2].allow_nonphysical_inertia = true;
-  const Model model = Model::build(spec);
-  Evaluator<double> evaluator(model);
-  const System<double>& system = evaluator.system(long_chain_tied_to_ground(4).state);
-  const std::vector<char> all(model.closures().rows(), true);
-  EXPECT_FALSE(QuasiDefinite(model).factorise(system, all));
 }
 
 TEST(RecursiveLoops, a_massless_body_keeps_the_block_elimination_however_it_fills) {
