@@ -40,9 +40,10 @@ bool LoopFactors<S>::factorise(const System<S>& system, std::span<const char> co
   return with_rows(plan_.rows_each, [&](auto rows) { return eliminate<rows>(system, counts); });
 }
 
+/// Flattened: calls and what they load anew cost a tenth of a ladder's factors.
 template <class S>
 template <int fixed>
-bool LoopFactors<S>::eliminate(const System<S>& system, std::span<const char> counts) {
+[[gnu::flatten]] bool LoopFactors<S>::eliminate(const System<S>& system, std::span<const char> counts) {
   for (const int at : plan_.order) {
     if (at >= 0) {
       const BodyStep& step = plan_.bodies[at];

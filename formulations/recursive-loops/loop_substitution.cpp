@@ -39,15 +39,17 @@ void LoopSubstitution<S>::solve(const LoopFactors<S>& factors, const System<S>& 
 template <class S>
 template <typename LoopSubstitution<S>::Pass pass>
 void LoopSubstitution<S>::sweep(const Task& task) {
-  if constexpr (pass == Pass::only)
-    sweep_rows<pass, 0>(task);
-  else
-    with_rows(task.factors.plan().rows_each, [&](auto rows) { sweep_rows<pass, rows>(task); });
+  with_rows(task.factors.plan().rows_each, [&](auto rows) {
+    constexpr int fixed = pass == Pass::only ? 0 : rows;
+    forward<pass, fixed>(task);
+    backward<pass, fixed>(task);
+  });
 }
 
+// Flattened: calls and what they load anew cost a twentieth.
 template <class S>
 template <typename LoopSubstitution<S>::Pass pass, int fixed>
-void LoopSubstitution<S>::sweep_rows(const Task& task) {
+[[gnu::flatten]] void LoopSubstitution<S>::forward(const Task& task) {
   const EliminationPlan& plan = task.factors.plan();
   for (const int at : plan.order) {
     if (at >= 0)
@@ -55,6 +57,12 @@ void LoopSubstitution<S>::sweep_rows(const Task& task) {
     else
       forward_closure<fixed>(task.factors, plan.closures[-1 - at]);
   }
+}
+
+template <class S>
+template <typename LoopSubstitution<S>::Pass pass, int fixed>
+[[gnu::flatten]] void LoopSubstitution<S>::backward(const Task& task) {
+  const EliminationPlan& plan = task.factors.plan();
   const std::vector<Motion<S>>& a = pass == Pass::correction ? delta_ : task.solution.acceleration;
   for (auto at = plan.order.rbegin(); at != plan.order.rend(); ++at) {
     if (*at >= 0)
@@ -64,7 +72,8 @@ void LoopSubstitution<S>::sweep_rows(const Task& task) {
   }
 }
 
-/// And what multipliers do to the bodies, which backward_body() has left out of theirs.
+/// What is left open of the closure conditions, and of the balances of bodies what multipliers do to them: the rest of
+/// these is backward_body()'s.
 template <class S>
 void LoopSubstitution<S>::residual_of_closures(const Task& task) {
   const Solution<S>& x = task.solution;

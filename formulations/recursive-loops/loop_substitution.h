@@ -34,7 +34,9 @@ class LoopSubstitution {
   template <Pass pass>
   void sweep(const Task& task);
   template <Pass pass, int fixed>
-  void sweep_rows(const Task& task);
+  void forward(const Task& task);
+  template <Pass pass, int fixed>
+  void backward(const Task& task);
   void residual_of_closures(const Task& task);
   template <Pass pass, int fixed>
   void forward_body(const Task& task, const BodyStep& step);
