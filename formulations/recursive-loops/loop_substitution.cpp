@@ -46,10 +46,9 @@ void LoopSubstitution<S>::sweep(const Task& task) {
   });
 }
 
-// Flattened: calls and what they load anew cost a twentieth.
 template <class S>
 template <typename LoopSubstitution<S>::Pass pass, int fixed>
-[[gnu::flatten]] void LoopSubstitution<S>::forward(const Task& task) {
+void LoopSubstitution<S>::forward(const Task& task) {
   const EliminationPlan& plan = task.factors.plan();
   for (const int at : plan.order) {
     if (at >= 0)
@@ -61,7 +60,7 @@ template <typename LoopSubstitution<S>::Pass pass, int fixed>
 
 template <class S>
 template <typename LoopSubstitution<S>::Pass pass, int fixed>
-[[gnu::flatten]] void LoopSubstitution<S>::backward(const Task& task) {
+void LoopSubstitution<S>::backward(const Task& task) {
   const EliminationPlan& plan = task.factors.plan();
   const std::vector<Motion<S>>& a = pass == Pass::correction ? delta_ : task.solution.acceleration;
   for (auto at = plan.order.rbegin(); at != plan.order.rend(); ++at) {
