@@ -156,6 +156,17 @@ struct ClosureRank<S>::Work {
     }
   }
 
+  /// Who decided, and how far conditions may then contradict one another: off the manifold redundant ones differ by
+  /// what the state violates, of which curvatures make some hundred times.
+  void accept(RankPolicy policy) {
+    constexpr double spread = 1e3, most = 1e-2;
+    const double violation = std::max(decision.position_violation, decision.velocity_violation);
+    decision.held = !policy.automatic();
+    decision.varying_rank = false;
+    decision.tolerated_contradiction =
+        largest_contradiction + (decision.held ? std::min(spread * violation, most) : 0.0);
+  }
+
   /// Whether neighbouring states have a larger rank. Known once it was found constant somewhere on the branch.
   void judge_rank(const System<S>& system) {
     decision.varying_rank = false;
@@ -217,16 +228,30 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   const double unit = std::sqrt(dot(g, g)) > 0 ? std::sqrt(dot(g, g)) / work.model.length() : 1.0;
   work.split_bias(system, policy.automatic() ? 0 : negligible * unit);
   work.check_state(system);
-  decision.held = !policy.automatic();
-  decision.varying_rank = false;
+  work.accept(policy);
+  decision.by_pivots = false;
   if (policy.automatic()) work.judge_rank(system);
-  // off the manifold redundant conditions differ by what the state violates; curvatures make some hundred times of it
-  constexpr double spread = 1e3, most = 1e-2;
-  const double violation = std::max(decision.position_violation, decision.velocity_violation);
-  decision.tolerated_contradiction = largest_contradiction + (decision.held ? std::min(spread * violation, most) : 0.0);
   // what is dropped on the way through a singular configuration is not obeyed there
   decision.dropped = decision.held && decision.rank < policy.rank;
   if (decision.dropped) decision.tolerated_contradiction = std::numeric_limits<double>::infinity();
+  return decision;
+}
+
+template <class S>
+const ClosureDecision& ClosureRank<S>::hold(const System<S>& system, RankPolicy policy) {
+  Work& work = *work_;
+  ClosureDecision& decision = work.decision;
+  decision.worst_row = -1;
+  decision.rank = policy.rank;
+  decision.redundant = work.jacobian.rows() - policy.rank;
+  decision.sigma = decision.next_sigma = std::numeric_limits<double>::quiet_NaN();
+  decision.near_singular = decision.dropped = false;
+  decision.contradiction = 0;
+  decision.by_pivots = true;
+  std::fill(decision.independent.begin(), decision.independent.end(), true);
+  std::fill(decision.correction.begin(), decision.correction.end(), 0.0);
+  work.check_state(system);
+  work.accept(policy);
   return decision;
 }
 

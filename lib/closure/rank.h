@@ -31,6 +31,9 @@ struct RankPolicy {
   int rank = -1;        // −1: automatic
   double smallest = 0;  // singular values below (relative to the larger of σ_1 and 1) count as zero, for motions
                         // through singular configurations; 0: such a state is reported as near_singular
+  /// With a given rank: a formulation that drops dependent rows by pivots of its own need not wait for singular values,
+  /// where it drops as many (Formulation::dropped_rows). σ is not known then, and λ is of its choice.
+  bool by_pivots = false;
 
   bool automatic() const { return rank < 0; }
 };
@@ -46,6 +49,7 @@ struct ClosureDecision {
   double tolerated_contradiction = largest_contradiction;
   bool held = false;               // the rank was given
   bool dropped = false;            // and is lower here: weak conditions count as none
+  bool by_pivots = false;          // and nobody looked at singular values: σ is NaN, `independent` all rows
   int worst_row = -1;              // that violates or contradicts most
   std::vector<char> independent;   // per row: one of a well-conditioned set of `rank` rows
   std::vector<double> correction;  // to be added to γ̿, which makes the conditions consistent (least squares)
@@ -60,6 +64,9 @@ class ClosureRank {
   ~ClosureRank();
 
   const ClosureDecision& decide(const System<S>& system, RankPolicy policy = {});
+  /// The given rank as it is, with what the state violates: linear in the rows. No make_consistent() or minimum_norm()
+  /// after it.
+  const ClosureDecision& hold(const System<S>& system, RankPolicy policy);
   const ClosureDecision& decision() const;
   /// Takes away the part of one number a row that no velocities can bring about (least squares).
   void make_consistent(std::vector<S>& rows) const;

@@ -69,11 +69,23 @@ void Formulation<S>::decide(const System<S>& system, RankPolicy policy) {
 }
 
 template <class S>
-Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, RankPolicy policy) {
-  if (rank_ && !finite(system)) return not_finite(system);
+Outcome Formulation<S>::factorised(const System<S>& system, RankPolicy policy) {
+  const bool held = !policy.automatic() && policy.smallest == 0;  // weak conditions are told by singular values only
+  if (rank_ && policy.by_pivots && held && dropped_rows() >= 0) {
+    rank_->hold(system, policy);
+    assemble(system);
+    const Outcome outcome = factorise(system);
+    if (outcome.usable() && dropped_rows() == closures().redundant) return outcome;
+  }
   decide(system, policy);
   assemble(system);
-  Outcome outcome = factorise(system);
+  return factorise(system);
+}
+
+template <class S>
+Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, RankPolicy policy) {
+  if (rank_ && !finite(system)) return not_finite(system);
+  Outcome outcome = factorised(system, policy);
   if (outcome.usable()) {
     const RightHandSide<S>& rhs = consistent(system);
     substitute(system, rhs, solution);
@@ -122,7 +134,7 @@ const RightHandSide<S>& Formulation<S>::consistent(const System<S>& system) {
 template <class S>
 void Formulation<S>::settle_reactions(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   // where weak conditions were dropped, others' multipliers would not do quite the same in their place
-  if (!rank_ || closures().redundant == 0 || closures().dropped) return;
+  if (!rank_ || closures().redundant == 0 || closures().dropped || closures().by_pivots) return;
   rank_->minimum_norm(solution.lambda);
   wrenches(system, rhs, solution);
 }
@@ -160,8 +172,9 @@ void Formulation<S>::judge_closures(Outcome& outcome) const {
         fmt::format("so near a singular configuration that the rank is not clear: singular values {:.1e} and {:.1e}",
                     decision.sigma, decision.next_sigma));
   else if (decision.redundant > 0)
-    say(Status::redundant, fmt::format("{} of {} closure conditions are redundant; λ has minimum norm",
-                                       decision.redundant, model_.closures().rows()));
+    say(Status::redundant,
+        fmt::format("{} of {} closure conditions are redundant; λ {}", decision.redundant, model_.closures().rows(),
+                    decision.by_pivots ? "is one of many" : "has minimum norm"));
 }
 
 /// Refines the answer, and sees whether the factors bring back an answer that is known. The second is needed because a

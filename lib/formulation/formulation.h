@@ -82,6 +82,11 @@ class Formulation {
   /// Fill-in, memory and flops where a library does the work; nothing where this project does. May take O(factors).
   virtual std::optional<LibraryStatistics> statistics() const { return std::nullopt; }
 
+  /// Closure rows the last factorise() dropped because its own pivots found them dependent; −1 where it takes the
+  /// independent rows it is told. Asked where RankPolicy::by_pivots holds a rank: with as many rows dropped as it
+  /// leaves, no singular values are needed; with another number they decide, and factorise() comes once more.
+  virtual int dropped_rows() const { return -1; }
+
  protected:
   const Model& model() const { return model_; }
   /// Which closure conditions hold at the state of the present solve.
@@ -89,6 +94,8 @@ class Formulation {
 
  private:
   struct Refinement;
+  /// Decision, matrices and factors.
+  Outcome factorised(const System<S>& system, RankPolicy policy);
   /// The right-hand side with consistent closure conditions.
   const RightHandSide<S>& consistent(const System<S>& system);
   /// λ of minimum norm, and the wrenches that go with it.

@@ -109,6 +109,37 @@ ClosureSpec cylinder(const std::string& body, const Eigen::Vector3d& at, const E
   return closure;
 }
 
+/// A rod of 1 m and 1 kg on a hinge about y.
+void add_rod(ModelSpec& spec, const std::string& name, const Eigen::Vector3d& tip, const std::string& parent,
+             const Eigen::Vector3d& at) {
+  BodySpec body;
+  body.name = name;
+  body.mass = 1, body.com = tip / 2;
+  body.inertia = Eigen::Matrix3d(Eigen::Vector3d(0.1, 0.1, 0.1).asDiagonal());
+  spec.bodies.push_back(body);
+  JointSpec joint;
+  joint.name = "j_" + name, joint.kind = *find_joint_kind("revolute");
+  joint.parent = parent, joint.body = name, joint.frame.position = at, joint.axis = Eigen::Vector3d::UnitY();
+  spec.joints.push_back(joint);
+}
+
+ClosureSpec point(const std::string& name, const std::string& a, const Eigen::Vector3d& on_a, const std::string& b,
+                  const Eigen::Vector3d& on_b) {
+  ClosureSpec closure;
+  closure.name = name, closure.kind = *find_closure_kind("point-on-point");
+  closure.body_a = a, closure.body_b = b;
+  closure.frame_a.position = on_a, closure.frame_b.position = on_b;
+  return closure;
+}
+
+ModelSpec empty_spec(const std::string& name) {
+  ModelSpec spec;
+  spec.name = name;
+  spec.gravity = {0, 0, -9.81};
+  spec.length = 1;
+  return spec;
+}
+
 }  // namespace
 
 std::vector<Case> closed_loops() {
@@ -208,6 +239,40 @@ std::vector<Case> held_by_loops() {
   closure.axis = Eigen::Vector3d::UnitX(), closure.axis2 = Eigen::Vector3d::UnitY();
   result.push_back(at_rest_position("slender rod", spec));
   return result;
+}
+
+Case long_chain_tied_to_ground(int n, double angle) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), z = Eigen::Vector3d::UnitZ();
+  ModelSpec spec = empty_spec("chain tied to ground");
+  add_rod(spec, "u0", z, "", {0, 0, 0});
+  std::vector<double> q = {angle};
+  for (int i = 1; i <= n; ++i) {
+    const std::string number = std::to_string(i);
+    add_rod(spec, "c" + number, x, i == 1 ? "u0" : "c" + std::to_string(i - 1), i == 1 ? z : x);
+    add_rod(spec, "u" + number, -z, "c" + number, x);
+    q.push_back(i == 1 ? -angle : 0), q.push_back(angle);
+    spec.closures.push_back(point("tie" + number, "u" + number, -z, "", i * x));
+  }
+  Case c{spec.name, Model::build(spec), {}, {}};
+  c.state = {0, q, std::vector<double>(q.size(), 0.0)};
+  return c;
+}
+
+Case chains_with_rungs(int n, double angle) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), z = Eigen::Vector3d::UnitZ();
+  ModelSpec spec = empty_spec("chains with rungs");
+  std::vector<double> q;
+  for (int i = 1; i <= n; ++i) {
+    const std::string number = std::to_string(i), below = std::to_string(i - 1);
+    add_rod(spec, "a" + number, z, i == 1 ? "" : "a" + below, i == 1 ? 0 * x : z);
+    add_rod(spec, "b" + number, z, i == 1 ? "" : "b" + below, i == 1 ? x : z);
+    add_rod(spec, "r" + number, x, "a" + number, z);
+    q.insert(q.end(), {i == 1 ? angle : 0, i == 1 ? angle : 0, -angle});
+    spec.closures.push_back(point("rung" + number, "r" + number, x, "b" + number, z));
+  }
+  Case c{spec.name, Model::build(spec), {}, {}};
+  c.state = {0, q, std::vector<double>(q.size(), 0.0)};
+  return c;
 }
 
 }  // namespace lanc::test

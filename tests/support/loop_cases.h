@@ -18,4 +18,11 @@ Case tangle(std::uint64_t seed, int closures);
 /// Mechanisms of which the tree has no inertia in some freedom, though their loops determine it.
 std::vector<Case> held_by_loops();
 
+/// A ladder of n four-bars whose couplers are one chain: uprights hang on it, and each is tied to the ground. At rest.
+/// Leaf first, each body meets the closures of all bodies it carries.
+Case long_chain_tied_to_ground(int n, double angle = 0.7);
+
+/// Two chains side by side with n rungs between them, the lowest rods at an angle, at rest. Fills like the former.
+Case chains_with_rungs(int n, double angle = 0.7);
+
 }  // namespace lanc::test

@@ -1,0 +1,386 @@
+#include "formulations/recursive-loops/elimination_plan.h"
+
+#include <algorithm>
+#include <iterator>
+#include <queue>
+#include <utility>
+
+namespace lanc {
+namespace {
+
+using Set = std::vector<int>;  // ascending
+
+void insert(Set& set, int x) {
+  const auto at = std::lower_bound(set.begin(), set.end(), x);
+  if (at == set.end() || *at != x) set.insert(at, x);
+}
+
+void erase(Set& set, int x) {
+  const auto at = std::lower_bound(set.begin(), set.end(), x);
+  if (at != set.end() && *at == x) set.erase(at);
+}
+
+/// set ∪ others without x.
+void unite(Set& set, const Set& others, int x) {
+  Set all;
+  all.reserve(set.size() + others.size());
+  std::set_union(set.begin(), set.end(), others.begin(), others.end(), std::back_inserter(all));
+  erase(all, x);
+  set.swap(all);
+}
+
+/// The graph of what is not eliminated yet.
+class QuotientGraph {
+ public:
+  struct Body {
+    Set closures;  // it meets
+    Set met;       // all it ever met
+    int children_left = 0;
+  };
+  struct Closure {
+    int row = 0, rows = 0;
+    Set bodies, closures;     // it meets
+    int velocities_left = 0;  // a coupler's, whose bodies are still there
+    bool grounded = false;    // one side of its loop is gone down to the ground
+  };
+
+  QuotientGraph(const Model& model, EliminationRule rule);
+
+  /// Nodes that may be eliminated, of least degree first: body i or −1 − closure.
+  bool next(int& node);
+  void eliminate_body(int i);
+  void eliminate_closure(int c);
+
+  /// Rows a node meets.
+  int degree(int node) const;
+
+  const Body& body(int i) const { return bodies_[i]; }
+  const Closure& closure(int c) const { return closures_[c]; }
+  int closures() const { return static_cast<int>(closures_.size()); }
+
+ private:
+  void meet(int closure, int body) {
+    insert(closures_[closure].bodies, body);
+    insert(bodies_[body].closures, closure);
+    insert(bodies_[body].met, closure);
+  }
+  bool admitted(int node) const;
+  void consider(int node) {
+    if (admitted(node)) queue_.emplace(degree(node), node);
+  }
+
+  const Model& model_;
+  EliminationRule rule_;
+  std::vector<Body> bodies_;
+  std::vector<Closure> closures_;
+  std::vector<char> body_gone_, closure_gone_;
+  std::vector<Set> couplers_on_;  // per body
+  std::priority_queue<std::pair<int, int>, std::vector<std::pair<int, int>>, std::greater<>> queue_;
+};
+
+QuotientGraph::QuotientGraph(const Model& model, EliminationRule rule)
+    : model_(model), rule_(rule), bodies_(model.bodies()), body_gone_(model.bodies()), couplers_on_(model.bodies()) {
+  for (const Link& link : model.links())
+    if (link.parent != ground) ++bodies_[link.parent].children_left;
+  const ClosureSet& set = model.closures();
+  closures_.resize(set.closures.size() + set.couplers.size());
+  closure_gone_.resize(closures_.size());
+  int c = 0;
+  for (const lanc::Closure& closure : set.closures) {
+    closures_[c].row = closure.row, closures_[c].rows = closure.conditions().count;
+    for (const int body : {closure.body_a, closure.body_b})
+      if (body == ground)
+        closures_[c].grounded = true;
+      else
+        meet(c, body);
+    ++c;
+  }
+  for (const Coupler& coupler : set.couplers) {
+    closures_[c].row = coupler.row, closures_[c].rows = 1;
+    for (const Coupler::Term& term : coupler.terms) {
+      const int body = model.body_of_velocity(term.v);
+      meet(c, body);
+      insert(couplers_on_[body], c);
+    }
+    closures_[c].velocities_left = static_cast<int>(closures_[c].bodies.size());
+    ++c;
+  }
+  for (int i = 0; i < model.bodies(); ++i) consider(i);
+  for (c = 0; c < closures(); ++c) consider(-1 - c);
+}
+
+bool QuotientGraph::admitted(int node) const {
+  if (node >= 0) return !body_gone_[node] && bodies_[node].children_left == 0;
+  const Closure& c = closures_[-1 - node];
+  const bool all = c.grounded || rule_ == EliminationRule::bodies_first;
+  return !closure_gone_[-1 - node] && c.velocities_left == 0 && c.bodies.size() <= (all ? 0u : 1u);
+}
+
+int QuotientGraph::degree(int node) const {
+  int rows = 0;
+  for (const int c : node >= 0 ? bodies_[node].closures : closures_[-1 - node].closures) rows += closures_[c].rows;
+  constexpr int of_body = 6;
+  if (node < 0 && !closures_[-1 - node].bodies.empty()) rows += of_body;
+  return rows;
+}
+
+bool QuotientGraph::next(int& node) {
+  while (!queue_.empty()) {
+    const auto [key, candidate] = queue_.top();
+    queue_.pop();
+    if (!admitted(candidate)) continue;
+    if (const int now = degree(candidate); now != key) {  // degrees may have changed since
+      if (now > key) {
+        queue_.emplace(now, candidate);
+        continue;
+      }
+    }
+    node = candidate;
+    return true;
+  }
+  return false;
+}
+
+void QuotientGraph::eliminate_body(int i) {
+  body_gone_[i] = true;
+  const int parent = model_.link(i).parent;
+  if (parent != ground) --bodies_[parent].children_left;
+  for (const int c : couplers_on_[i]) --closures_[c].velocities_left;
+  const Set& around = bodies_[i].closures;
+  for (const int c : around) {
+    erase(closures_[c].bodies, i);
+    if (parent == ground)
+      closures_[c].grounded = true;
+    else
+      meet(c, parent);
+    unite(closures_[c].closures, around, c);
+  }
+  for (const int c : around) consider(-1 - c);
+  if (parent != ground) consider(parent);
+}
+
+void QuotientGraph::eliminate_closure(int c) {
+  closure_gone_[c] = true;
+  const Set around = closures_[c].closures;
+  const Set& bodies = closures_[c].bodies;
+  for (const int i : bodies) erase(bodies_[i].closures, c);
+  for (const int d : around) {
+    erase(closures_[d].closures, c);
+    unite(closures_[d].closures, around, d);
+    for (const int i : bodies) meet(d, i);
+    if (closures_[c].grounded) closures_[d].grounded = true;
+  }
+  for (const int d : around) consider(-1 - d);
+  for (const int i : bodies) consider(i);
+}
+
+/// Runs the elimination and writes down what the numeric one does. Two passes: places in the Delassus matrix and in the
+/// columns of a body are known only when it is known what they ever meet.
+class Planner {
+ public:
+  Planner(const Model& model, EliminationRule rule, EliminationPlan& plan)
+      : model_(model), plan_(plan), graph_(model, rule) {}
+  void run(double most_operations);
+
+ private:
+  void lay_out_columns();
+  void lay_out_blocks();
+  int block_of(int first, int second) const;
+  void write_body(int i);
+  void write_closure(int c);
+  Range write_meetings(const Set& around, const std::vector<int>& places);
+  int column_at(int body, int closure) const;
+
+  const Model& model_;
+  EliminationPlan& plan_;
+  QuotientGraph graph_;
+  std::vector<int> order_;
+  std::vector<Set> body_around_, closure_around_;  // closures met when eliminated
+  std::vector<int> frontier_, position_;           // per closure: the body left, the step it goes
+  std::vector<Set> columns_of_;                    // per body: closures in the order of its columns
+  std::vector<char> touched_;                      // per body: something was handed to its inertia
+  std::vector<int> first_column_;                  // per body
+  std::vector<int> block_;                         // per closure, of it with itself
+};
+
+void Planner::run(double most_operations) {
+  body_around_.resize(model_.bodies());
+  closure_around_.resize(graph_.closures());
+  frontier_.assign(graph_.closures(), -1);
+  position_.assign(graph_.closures(), -1);
+  double operations = 0;  // at least
+  for (int node = 0; graph_.next(node);) {
+    const double met = graph_.degree(node);
+    operations += met * met;
+    if (operations > most_operations) {
+      plan_.operations = std::numeric_limits<double>::infinity();
+      return;
+    }
+    if (node >= 0) {
+      body_around_[node] = graph_.body(node).closures;
+      graph_.eliminate_body(node);
+    } else {
+      const int c = -1 - node;
+      closure_around_[c] = graph_.closure(c).closures;
+      if (!graph_.closure(c).bodies.empty()) frontier_[c] = graph_.closure(c).bodies.front();
+      position_[c] = static_cast<int>(order_.size());
+      graph_.eliminate_closure(c);
+    }
+    order_.push_back(node);
+  }
+  touched_.resize(model_.bodies());
+  for (int c = 0; c < graph_.closures(); ++c) {
+    const int rows = graph_.closure(c).rows;
+    plan_.rows_each = c == 0 || rows == plan_.rows_each ? rows : 0;
+    if (plan_.rows_each == 0) break;
+  }
+  lay_out_columns();
+  lay_out_blocks();
+  for (const int node : order_) {
+    if (node >= 0)
+      write_body(node);
+    else
+      write_closure(-1 - node);
+  }
+}
+
+/// On each body first the closures it meets when it is eliminated, then those that go before it.
+void Planner::lay_out_columns() {
+  columns_of_.resize(model_.bodies());
+  first_column_.resize(model_.bodies());
+  for (const int i : order_) {
+    if (i < 0) continue;
+    Set& columns = columns_of_[i] = body_around_[i];
+    const auto alive = static_cast<std::ptrdiff_t>(columns.size());
+    for (const int c : graph_.body(i).met)
+      if (!std::binary_search(columns.begin(), columns.begin() + alive, c)) columns.push_back(c);
+    first_column_[i] = plan_.columns;
+    for (const int c : columns) plan_.columns += graph_.closure(c).rows;
+  }
+  const ClosureSet& set = model_.closures();
+  for (int c = 0; c < static_cast<int>(set.closures.size()); ++c) {
+    const Closure& closure = set.closures[c];
+    const auto column = [&](int body) { return body == ground ? -1 : column_at(body, c); };
+    plan_.ends.push_back({closure.row, graph_.closure(c).rows, closure.body_a, closure.body_b, column(closure.body_a),
+                          column(closure.body_b)});
+  }
+}
+
+int Planner::column_at(int body, int closure) const {
+  int column = first_column_[body];
+  for (const int c : columns_of_[body]) {
+    if (c == closure) break;
+    column += graph_.closure(c).rows;
+  }
+  return column;
+}
+
+/// The blocks of a closure with itself and with those it meets stand one behind the other.
+void Planner::lay_out_blocks() {
+  block_.resize(graph_.closures());
+  for (const int node : order_) {
+    if (node >= 0) continue;
+    const int c = -1 - node, rows = graph_.closure(c).rows;
+    block_[c] = plan_.delassus;
+    plan_.delassus += rows * rows;
+    for (const int d : closure_around_[c]) plan_.delassus += rows * graph_.closure(d).rows;
+  }
+}
+
+/// `first` goes before `second`, or is it.
+int Planner::block_of(int first, int second) const {
+  const int rows = graph_.closure(first).rows;
+  int block = block_[first];
+  if (first == second) return block;
+  block += rows * rows;
+  for (const int d : closure_around_[first]) {
+    if (d == second) break;
+    block += rows * graph_.closure(d).rows;
+  }
+  return block;
+}
+
+/// All pairs of closures around a node; `places`: columns or blocks of the step.
+Range Planner::write_meetings(const Set& around, const std::vector<int>& places) {
+  Range range{static_cast<int>(plan_.meetings.size()), 0};
+  for (std::size_t a = 0; a < around.size(); ++a)
+    for (std::size_t b = a; b < around.size(); ++b) {
+      const bool swap = position_[around[a]] > position_[around[b]];
+      const std::size_t first = swap ? b : a, second = swap ? a : b;
+      const int c = around[first], d = around[second];
+      const int rows = graph_.closure(c).rows, columns = graph_.closure(d).rows;
+      plan_.meetings.push_back({places[first], places[second], rows, columns, block_of(c, d)});
+    }
+  range.end = static_cast<int>(plan_.meetings.size());
+  return range;
+}
+
+void Planner::write_body(int i) {
+  const Link& link = model_.link(i);
+  BodyStep step{.body = i, .parent = link.parent, .v = link.v, .nv = link.nv, .first_column = first_column_[i]};
+  step.columns = 0;
+  step.attachments.begin = static_cast<int>(plan_.attachments.size());
+  std::vector<int> columns;
+  for (const int c : body_around_[i]) {
+    const auto& closure = graph_.closure(c);
+    columns.push_back(step.columns);
+    plan_.attachments.push_back(
+        {closure.row, closure.rows, step.columns, -1, link.parent == ground ? -1 : column_at(link.parent, c)});
+    step.columns += closure.rows;
+  }
+  step.attachments.end = static_cast<int>(plan_.attachments.size());
+  step.untouched = !touched_[i];
+  if (link.parent != ground) step.first_to_parent = !std::exchange(touched_[link.parent], true);
+  step.meetings = write_meetings(body_around_[i], columns);
+  plan_.operations += 180 + step.columns * (18.0 + link.nv * (17 + step.columns));
+  step.terms.begin = static_cast<int>(plan_.terms.size());
+  const ClosureSet& set = model_.closures();
+  for (std::size_t at = 0; at < body_around_[i].size(); ++at) {
+    const int coupler = body_around_[i][at] - static_cast<int>(set.closures.size());
+    if (coupler < 0) continue;
+    for (const Coupler::Term& term : set.couplers[coupler].terms)
+      if (model_.body_of_velocity(term.v) == i)
+        plan_.terms.push_back({term.v - link.v, columns[at], set.couplers[coupler].row, term.factor});
+  }
+  step.terms.end = static_cast<int>(plan_.terms.size());
+  step.responses = plan_.responses;
+  plan_.responses += link.nv * step.columns;
+  plan_.most_responses = std::max(plan_.most_responses, link.nv * step.columns);
+  plan_.order.push_back(static_cast<int>(plan_.bodies.size()));
+  plan_.bodies.push_back(step);
+}
+
+void Planner::write_closure(int c) {
+  const auto& closure = graph_.closure(c);
+  const int body = frontier_[c], m = closure.rows;
+  ClosureStep step{.row = closure.row,
+                   .rows = m,
+                   .block = block_[c],
+                   .weights = plan_.weights,
+                   .body = body,
+                   .first_column = body < 0 ? -1 : column_at(body, c)};
+  plan_.weights += m * m;
+  if (body >= 0) step.first_to_body = !std::exchange(touched_[body], true);
+  step.attachments.begin = static_cast<int>(plan_.attachments.size());
+  std::vector<int> blocks;
+  int columns = m;
+  for (const int d : closure_around_[c]) {
+    blocks.push_back(block_of(c, d));
+    plan_.attachments.push_back(
+        {graph_.closure(d).row, graph_.closure(d).rows, -1, blocks.back(), body < 0 ? -1 : column_at(body, d)});
+    columns += graph_.closure(d).rows;
+  }
+  step.attachments.end = static_cast<int>(plan_.attachments.size());
+  step.meetings = write_meetings(closure_around_[c], blocks);
+  plan_.operations += m * columns * (2.0 * m + columns + (body < 0 ? 0 : 12)) + (body < 0 ? 0 : 42 * m);
+  plan_.order.push_back(-1 - static_cast<int>(plan_.closures.size()));
+  plan_.closures.push_back(step);
+}
+
+}  // namespace
+
+EliminationPlan::EliminationPlan(const Model& model, EliminationRule rule, double most_operations) {
+  Planner(model, rule, *this).run(most_operations);
+}
+
+}  // namespace lanc
