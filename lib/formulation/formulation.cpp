@@ -65,21 +65,22 @@ Outcome not_definite() {
 
 template <class S>
 void Formulation<S>::decide(const System<S>& system, RankPolicy policy) {
-  if (rank_) rank_->decide(system, policy);
+  if (!rank_) return;
+  const bool held = !policy.automatic() && policy.smallest == 0;  // weak conditions are told by singular values only
+  if (policy.by_pivots && held && dropped_rows() >= 0)
+    rank_->hold(system, policy);
+  else
+    rank_->decide(system, policy);
 }
 
 template <class S>
 Outcome Formulation<S>::factorised(const System<S>& system, RankPolicy policy) {
-  const bool held = !policy.automatic() && policy.smallest == 0;  // weak conditions are told by singular values only
-  if (rank_ && policy.by_pivots && held && dropped_rows() >= 0) {
-    rank_->hold(system, policy);
-    assemble(system);
-    const Outcome outcome = factorise(system);
-    if (outcome.usable() && dropped_rows() == closures().redundant) return outcome;
-  }
   decide(system, policy);
   assemble(system);
-  return factorise(system);
+  Outcome outcome = factorise(system);
+  if (!rank_ || !closures().by_pivots || (outcome.usable() && dropped_rows() == closures().redundant)) return outcome;
+  policy.by_pivots = false;
+  return factorised(system, policy);
 }
 
 template <class S>

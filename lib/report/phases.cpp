@@ -52,7 +52,7 @@ std::vector<Measurement> measurements(const PhaseCounts& counts) {
   return rows;
 }
 
-PhaseTimer::PhaseTimer(Factory<double> create, const Model& model, const State<double>& state)
+PhaseTimer::PhaseTimer(Factory<double> create, const Model& model, const State<double>& state, bool hold)
     : state_(state), evaluator_(model), solution_(model), system_(&evaluator_.system(state_)) {
   bytes_ = heap_bytes_of([&] {
     const double begin = thread_seconds();
@@ -60,6 +60,9 @@ PhaseTimer::PhaseTimer(Factory<double> create, const Model& model, const State<d
     analyse_seconds_ = thread_seconds() - begin;
     outcome_ = formulation_->solve(*system_, solution_);
   });
+  if (!hold || !outcome_.usable() || !model.has_closures()) return;
+  policy_ = {.rank = outcome_.rank, .by_pivots = true};
+  outcome_ = formulation_->solve(*system_, solution_, policy_);  // the answer of what is timed
 }
 
 std::vector<Measurement> PhaseTimer::repetition() {
@@ -74,13 +77,13 @@ std::vector<Measurement> PhaseTimer::repetition() {
   };
   const double kinematics = kinematics_.seconds([&] { evaluator_.system(state_); });
   const bool closed = system_->model.has_closures();
-  const double decided = closed ? rank_.seconds([&] { formulation_->decide(*system_); }) : 0;
+  const double decided = closed ? rank_.seconds([&] { formulation_->decide(*system_, policy_); }) : 0;
   const double assembled = assemble_.seconds([&] { formulation_->assemble(*system_); });
   const double factorised = factorise_.seconds(factorise);
   const double solved = solve_.seconds(solve);
   const double total = total_.seconds([&] {
     evaluator_.system(state_);
-    formulation_->decide(*system_);
+    formulation_->decide(*system_, policy_);
     solve();
   });
   const std::string status(to_string(outcome_.status));

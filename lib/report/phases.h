@@ -28,8 +28,9 @@ std::vector<Measurement> measurements(const PhaseCounts& counts);
 /// made, and differences taken: a single one can be off by the noise of two.
 class PhaseTimer {
  public:
-  /// Binds (analyses) and solves once; outcome() says how that went, and analyse_seconds() what binding took.
-  PhaseTimer(Factory<double> create, const Model& model, const State<double>& state);
+  /// Binds (analyses) and solves once; outcome() says how that went, and analyse_seconds() what binding took. `hold`:
+  /// the rank found then is held in what is timed, as along a motion, by pivots where the formulation can.
+  PhaseTimer(Factory<double> create, const Model& model, const State<double>& state, bool hold = false);
 
   const Outcome& outcome() const { return outcome_; }
   double analyse_seconds() const { return analyse_seconds_; }
@@ -50,6 +51,7 @@ class PhaseTimer {
   const System<double>* system_;
   std::unique_ptr<Formulation<double>> formulation_;
   Outcome outcome_;
+  RankPolicy policy_;
   double analyse_seconds_ = 0;
   std::int64_t bytes_ = 0;
   Repeat kinematics_, rank_, assemble_, factorise_, solve_, total_;
