@@ -113,7 +113,9 @@ class Contest {
         say(fmt::format("{}: {}", info->name, *reason));
         continue;
       }
-      const auto timer = std::make_shared<PhaseTimer>(info->create_double, mechanism_.model, mechanism_.state, true);
+      const auto timer =
+          std::make_shared<PhaseTimer>(info->create_double, mechanism_.model, mechanism_.state,
+                                       held_rank(info->create_double, mechanism_.model, mechanism_.state));
       c.status = to_string(timer->outcome().status);
       if (!timer->outcome().usable()) {
         say(fmt::format("{}: {} {}", info->name, c.status, timer->outcome().message));

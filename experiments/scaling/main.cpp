@@ -24,6 +24,8 @@ std::vector<std::string> default_models(bool quick) {
   std::vector<std::string> models;
   for (const char* shape : {"chain", "tree"})
     for (const int n : sizes) models.push_back(fmt::format("{}:{}", shape, n));
+  for (const int n : sizes)  // N loops of 2 N + 1 bodies
+    if (n > 1) models.push_back(fmt::format("four-bar-ladder:{}", n / 2));
   return models;
 }
 
@@ -51,6 +53,23 @@ class Forecast {
 
 struct Forecasts {
   Forecast bytes, seconds;
+};
+
+/// Singular values of 10⁶ loops would take longer than all the rest. Of a regular mechanism the rank is known from a
+/// smaller one, and the pivots of formulations that have some confirm it.
+class Rank {
+ public:
+  RankPolicy of(const Model& model) const {
+    const std::int64_t rows = model.closures().rows();
+    if (rows == 0 || rows_ == 0 || rows % rows_ != 0) return {};
+    return {.rank = static_cast<int>(rank_ * (rows / rows_)), .by_pivots = true};
+  }
+  void learn(const Model& model, const Outcome& outcome) {
+    if (outcome.usable()) rows_ = model.closures().rows(), rank_ = outcome.rank;
+  }
+
+ private:
+  std::int64_t rows_ = 0, rank_ = 0;
 };
 
 /// The kind of model: its argument without the size.
@@ -105,13 +124,15 @@ class Scaling {
     const double seconds = once * (phases * repetitions + 2);
     if (seconds > time_limit_) return refuse(cell, "time_forecast", seconds, "s");
 
-    if (!reference) reference = std::make_unique<Reference>(model, mechanism.state);
-    experiment_.report().write(cell, measured(info, mechanism, *reference, forecasts, repetitions));
+    Rank& rank = ranks_[kind_of(name)];
+    if (!reference) reference = std::make_unique<Reference>(model, mechanism.state, rank.of(model));
+    experiment_.report().write(cell, measured(info, mechanism, *reference, forecasts, rank, repetitions));
   }
 
   std::vector<Measurement> measured(const FormulationInfo& info, const Mechanism& mechanism, const Reference& reference,
-                                    Forecasts& forecasts, int repetitions) {
-    PhaseTimer timer(info.create_double, mechanism.model, mechanism.state);
+                                    Forecasts& forecasts, Rank& rank, int repetitions) {
+    PhaseTimer timer(info.create_double, mechanism.model, mechanism.state, rank.of(mechanism.model));
+    rank.learn(mechanism.model, timer.outcome());
     const std::string status(to_string(timer.outcome().status));
     std::vector<Measurement> rows = {{"analyse", "time", timer.analyse_seconds(), "s", status},
                                      {"total", "memory", static_cast<double>(timer.bytes()), "B", status},
@@ -155,6 +176,7 @@ class Scaling {
   Experiment& experiment_;
   double time_limit_, memory_share_;
   std::map<std::pair<std::string, std::string>, Forecasts> forecasts_;
+  std::map<std::string, Rank> ranks_;  // by kind of model
 };
 
 /// One line a cell: what one looks at first.

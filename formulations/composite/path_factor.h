@@ -26,14 +26,14 @@ class PathFactor {
   void solve(std::vector<S>& x);
 
  private:
-  static constexpr int lanes = BlockScalar<S>::lanes;
+  static constexpr int lanes = PackedScalar<S>::lanes;
   S* row(int place) { return reinterpret_cast<S*>(rows_.data() + start_[place]); }
   static S inner_product(const S* a, const S* b, int n);
 
   // By place in the preorder; a coordinate is followed by all it carries.
   std::vector<int> coordinate_, place_, depth_, carried_;  // place_ is by coordinate
   std::vector<std::size_t> start_;                         // of a row, in blocks
-  std::vector<Block<S>> rows_;
+  std::vector<Packed<S>> rows_;
   std::vector<S> inverse_;  // of D
   std::vector<S> factors_;  // of the coordinates below the present one
   // By depth, along the path of the present coordinate: Lᵀ y of those below, zero when all is done; and the solution.
@@ -56,7 +56,7 @@ PathFactor<S>::PathFactor(const Model& model) : place_(model.nv()), inverse_(mod
   }
   for (int p = model.nv() - 1; p >= 0; --p)
     if (const int before = paths.before(coordinate_[p]); before >= 0) carried_[place_[before]] += 1 + carried_[p];
-  rows_.assign(blocks, Block<S>(0.0));
+  rows_.assign(blocks, Packed<S>(0.0));
   for (std::vector<S>* array : {&from_below_, &on_path_})
     array->assign(static_cast<std::size_t>(lanes) * blocks_of<S>(deepest), S(0.0));
 }
@@ -69,12 +69,12 @@ void PathFactor<S>::factorise() {
     S* const H = row(p);
     const int own = depth_[p] - 1, below = carried_[p];
     for (int q = 0; q < below; ++q) factors[q] = row(p + 1 + q)[own] * inverse_[p + 1 + q];
-    const auto given = [&](int q, int e) { return load_block<S>(row(p + 1 + q) + e) * Block<S>(factors[q]); };
+    const auto given = [&](int q, int e) { return load_block<S>(row(p + 1 + q) + e) * Packed<S>(factors[q]); };
     for (int e = 0; e <= own; e += lanes) {
-      Block<S> sum = load_block<S>(H + e);
+      Packed<S> sum = load_block<S>(H + e);
       int q = below - 1;
       if constexpr (lanes > 1) {  // in two sums, since one would wait for each addition
-        Block<S> other(0.0);
+        Packed<S> other(0.0);
         for (; q > 0; q -= 2) other -= given(q, e), sum -= given(q - 1, e);
         sum += other;
       }
@@ -95,7 +95,7 @@ void PathFactor<S>::solve(std::vector<S>& x) {
     const int own = depth_[p] - 1;
     const S y = x[coordinate_[p]] - from_below[own];
     x[coordinate_[p]] = y;
-    const Block<S> scaled(y * inverse_[p]);
+    const Packed<S> scaled(y * inverse_[p]);
     int e = 0;
     for (; e + lanes <= own; e += lanes)
       store_block<S>(load_block<S>(from_below + e) + load_block<S>(L + e) * scaled, from_below + e);
@@ -120,7 +120,7 @@ S PathFactor<S>::inner_product(const S* a, const S* b, int n) {
   S even(0.0), odd(0.0);
   int e = 0;
   if constexpr (lanes > 1) {
-    Block<S> sums(0.0);
+    Packed<S> sums(0.0);
     for (; e + 2 * lanes < n; e += lanes) sums += load_block<S>(a + e) * load_block<S>(b + e);
     if (e > 0)
       for (int lane = 0; lane < lanes; ++lane) even += sums[lane];

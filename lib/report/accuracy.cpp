@@ -34,16 +34,16 @@ Vec3<double> rounded(const Vec3<long double>& a) { return {to_double(a.x), to_do
 
 }  // namespace
 
-Reference::Reference(const Model& model, const State<double>& state) : exact_(model) {
-  const auto list = formulations();
-  const auto info =
-      std::find_if(list.begin(), list.end(), [](const auto& f) { return f.recursive && f.create_long_double; });
-  if (info == list.end()) throw InputError("no recursive formulation in long double to make a reference with");
+Reference::Reference(const Model& model, const State<double>& state, RankPolicy policy) : exact_(model) {
+  const FormulationInfo* info = nullptr;
+  for (const FormulationInfo& f : formulations())
+    if (f.recursive && f.create_long_double && (!info || model.has_closures())) info = &f;
+  if (!info) throw InputError("no recursive formulation in long double to make a reference with");
   Evaluator<long double> evaluator(model);
   const System<long double>& system = evaluator.system(cast<long double>(state));
   const auto formulation = info->create_long_double(model);
   Solution<long double> solution(model);
-  if (const Outcome outcome = formulation->solve(system, solution); !outcome.usable())
+  if (const Outcome outcome = formulation->solve(system, solution, policy); !outcome.usable())
     throw InputError("the reference in long double failed: " + outcome.message);
   constexpr int most_steps = 5;
   for (int k = 0; k < most_steps; ++k) {

@@ -13,7 +13,8 @@ class Reference {
  public:
   /// By the first recursive formulation of the register that is offered in long double. Throws InputError when there is
   /// none. Coefficients are evaluated in long double, too: errors are those of the whole computation.
-  Reference(const Model& model, const State<double>& state);
+  /// Where loops are closed the last one of them is taken, and the rank may be given.
+  Reference(const Model& model, const State<double>& state, RankPolicy policy = {});
 
   /// Size of the last refinement of the reference relative to η̇.
   double last_refinement() const { return last_refinement_; }

@@ -52,17 +52,22 @@ std::vector<Measurement> measurements(const PhaseCounts& counts) {
   return rows;
 }
 
-PhaseTimer::PhaseTimer(Factory<double> create, const Model& model, const State<double>& state, bool hold)
-    : state_(state), evaluator_(model), solution_(model), system_(&evaluator_.system(state_)) {
+RankPolicy held_rank(Factory<double> create, const Model& model, const State<double>& state) {
+  if (!model.has_closures()) return {};
+  Evaluator<double> evaluator(model);
+  Solution<double> solution(model);
+  const Outcome outcome = create(model)->solve(evaluator.system(state), solution);
+  return outcome.usable() ? RankPolicy{.rank = outcome.rank, .by_pivots = true} : RankPolicy{};
+}
+
+PhaseTimer::PhaseTimer(Factory<double> create, const Model& model, const State<double>& state, RankPolicy policy)
+    : state_(state), evaluator_(model), solution_(model), system_(&evaluator_.system(state_)), policy_(policy) {
   bytes_ = heap_bytes_of([&] {
     const double begin = thread_seconds();
     formulation_ = create(model);
     analyse_seconds_ = thread_seconds() - begin;
-    outcome_ = formulation_->solve(*system_, solution_);
+    outcome_ = formulation_->solve(*system_, solution_, policy_);
   });
-  if (!hold || !outcome_.usable() || !model.has_closures()) return;
-  policy_ = {.rank = outcome_.rank, .by_pivots = true};
-  outcome_ = formulation_->solve(*system_, solution_, policy_);  // the answer of what is timed
 }
 
 std::vector<Measurement> PhaseTimer::repetition() {

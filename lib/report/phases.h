@@ -24,13 +24,16 @@ PhaseCounts count_phases(const FormulationInfo& info, const Model& model, const 
 /// Rows: flops of every phase and in total; add, sub, mul, div, sqrt and trig in total.
 std::vector<Measurement> measurements(const PhaseCounts& counts);
 
+/// The rank at a state, to be held in what is timed, as along a motion: by pivots where the formulation can. Automatic
+/// where no loop is closed or no rank is found.
+RankPolicy held_rank(Factory<double> create, const Model& model, const State<double>& state);
+
 /// Times one formulation on one model. Phases are timed cumulatively, since factorise() may overwrite what assemble()
 /// made, and differences taken: a single one can be off by the noise of two.
 class PhaseTimer {
  public:
-  /// Binds (analyses) and solves once; outcome() says how that went, and analyse_seconds() what binding took. `hold`:
-  /// the rank found then is held in what is timed, as along a motion, by pivots where the formulation can.
-  PhaseTimer(Factory<double> create, const Model& model, const State<double>& state, bool hold = false);
+  /// Binds (analyses) and solves once; outcome() says how that went, and analyse_seconds() what binding took.
+  PhaseTimer(Factory<double> create, const Model& model, const State<double>& state, RankPolicy policy = {});
 
   const Outcome& outcome() const { return outcome_; }
   double analyse_seconds() const { return analyse_seconds_; }

@@ -17,6 +17,7 @@ Evaluator<S>::Evaluator(const Model& model)
       angles_(lanes * blocks_of<S>(static_cast<int>(model.angles().size())), S(0.0)),  // whole blocks
       sines_(angles_.size()),
       cosines_(angles_.size()),
+      closure_blocks_(closure_blocks(model.closures())),
       positions_(model.bodies()),
       twists_(model.bodies()) {
   // Columns of pure rotations and translations keep these zeros; step() writes the other half only.
@@ -202,12 +203,20 @@ void Evaluator<S>::close_loops(const State<S>& state) {
   positions();
   twists();
   const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
-  for (const Closure& c : set.closures)
-    closure::rows_of(c, set, state.t, moving_body(c.body_a), moving_body(c.body_b),
-                     [&](int k, const closure::Row<S>& row) {
-                       system_.closure_rows[c.row + k] = {row.a, row.b, row.value, row.rate};
-                       system_.rhs.closure[c.row + k] = row.bias;
-                     });
+  for (const ClosureBlock& block : closure_blocks_) {
+    if (lanes > 1 && block.count > 1) {
+      close_side_by_side(block);
+      continue;
+    }
+    for (int i = block.first; i < block.first + block.count; ++i) {
+      const Closure& c = set.closures[i];
+      closure::rows_of(c, set, state.t, moving_body(c.body_a), moving_body(c.body_b),
+                       [&](int k, const closure::Row<S>& row) {
+                         system_.closure_rows[c.row + k] = {row.a, row.b, row.value, row.rate};
+                         system_.rhs.closure[c.row + k] = row.bias;
+                       });
+    }
+  }
   for (const Coupler& c : set.couplers) {
     MotionSample motion;
     if (c.motion >= 0) motion = set.motions[c.motion]->at(state.t);
@@ -218,6 +227,40 @@ void Evaluator<S>::close_loops(const State<S>& state) {
     }
     system_.closure_rows[c.row] = {{none, none}, {none, none}, g, rate};
     system_.rhs.closure[c.row] = S(-motion.acceleration);
+  }
+}
+
+/// The rows of a block of closures, all at once.
+template <class S>
+void Evaluator<S>::close_side_by_side(const ClosureBlock& block) {
+  if constexpr (lanes > 1) {
+    const Closure* const closures = system_.model.closures().closures.data() + block.first;
+    MovingBody<B> a, b;
+    const auto gather = [](MovingBody<B>& bodies, int lane, const MovingBody<S>& body) {
+      set_lane<S>(bodies.axes, lane, body.axes), set_lane<S>(bodies.position, lane, body.position);
+      set_lane<S>(bodies.twist.angular, lane, body.twist.angular);
+      set_lane<S>(bodies.twist.linear, lane, body.twist.linear);
+    };
+    const int width = lanes, last = block.count - 1;
+    for (int lane = 0; lane < width; ++lane) {
+      gather(a, lane, moving_body(closures[std::min(lane, last)].body_a));
+      gather(b, lane, moving_body(closures[std::min(lane, last)].body_b));
+    }
+    const auto one = closure::frame_on(a, block.axes_a, block.point_a);
+    const auto other = closure::frame_on(b, block.axes_b, block.point_b);
+    const Closure& c = closures[0];
+    const Conditions& conditions = c.conditions();
+    for (int k = 0; k < conditions.count; ++k) {
+      const closure::Row<B> row = closure::condition(conditions.rows[k], one, other, B(c.pitch), {c.length, 0, 0});
+      for (int lane = 0; lane <= last; ++lane) {
+        const int at = closures[lane].row + k;
+        system_.closure_rows[at] = {{lane_of<S>(row.a.moment, lane), lane_of<S>(row.a.force, lane)},
+                                    {lane_of<S>(row.b.moment, lane), lane_of<S>(row.b.force, lane)},
+                                    PackedScalar<S>::get(row.value, lane),
+                                    PackedScalar<S>::get(row.rate, lane)};
+        system_.rhs.closure[at] = PackedScalar<S>::get(row.bias, lane);
+      }
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "lib/spatial/block.h"
 #include "lib/system/between_bodies.h"
+#include "lib/system/closure_blocks.h"
 #include "lib/system/system.h"
 
 namespace lanc {
@@ -34,8 +35,8 @@ class Evaluator {
   MovingBody<S> moving_body(int body) const;
 
  private:
-  using B = Block<S>;
-  static constexpr unsigned lanes = BlockScalar<S>::lanes;
+  using B = Packed<S>;
+  static constexpr unsigned lanes = PackedScalar<S>::lanes;
   /// Axes and angular velocities of a block of bodies.
   struct Frames {
     Mat3<B> R{};
@@ -43,9 +44,9 @@ class Evaluator {
   };
   /// Their inertias in joint axes, and weights.
   struct Masses {
-    Vec3<BlockConstant<S>> h{};
-    Sym3<BlockConstant<S>> J{};
-    Vec3<BlockConstant<S>> weight{};
+    Vec3<PackedConstant<S>> h{};
+    Sym3<PackedConstant<S>> J{};
+    Vec3<PackedConstant<S>> weight{};
   };
   static unsigned lane(int body) { return static_cast<unsigned>(body) % lanes; }
   const Frames& frames_of(int body) const { return frames_[static_cast<unsigned>(body) / lanes]; }
@@ -58,6 +59,7 @@ class Evaluator {
   void apply_passive(const State<S>& state);
   void apply_springs();
   void close_loops(const State<S>& state);
+  void close_side_by_side(const ClosureBlock& block);
 
   System<S> system_;
   std::vector<Frames> frames_;
@@ -65,6 +67,7 @@ class Evaluator {
   std::vector<Vec3<S>> origin_velocities_;  // C η of the origins of joints that move them, for twists()
   std::vector<MotionSample> motions_;
   std::vector<S> angles_, sines_, cosines_;  // as Model::angles()
+  std::vector<ClosureBlock> closure_blocks_;
   std::vector<Vec3<S>> positions_;
   std::vector<Motion<S>> twists_;
 };
