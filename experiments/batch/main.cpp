@@ -8,7 +8,7 @@
 #include <cmath>
 #include <thread>
 
-#include "lib/integrate/coordinates.h"
+#include "lib/model/coordinates.h"
 #include "lib/report/crossing.h"
 #include "lib/report/experiment.h"
 #include "lib/report/table.h"

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "formulations/recursive-loops/free_delassus.h"
-#include "formulations/recursive-loops/narrow_copy.h"
 
 namespace lanc {
 namespace {
@@ -77,7 +76,7 @@ template <class S>
 void LoopFactors<S>::eliminate_body(const System<S>& system, const BodyStep& step) {
   ArticulatedInertia<S>& M = star_[step.body];
   if (step.untouched)
-    narrow_copy(expanded(system.bodies[step.body].inertia), M);
+    M = expanded(system.bodies[step.body].inertia);
   else
     add(M, system.bodies[step.body].inertia);
   const auto release = [&](int k, const ArticulatedInertia<S>& inertia) {
@@ -93,14 +92,14 @@ void LoopFactors<S>::eliminate_body(const System<S>& system, const BodyStep& ste
     return;
   }
   ArticulatedInertia<S> rest;
-  narrow_copy(M, rest);
+  rest = M;
   for (int k = step.v; k < step.v + step.nv; ++k) {
     const Wrench<S> U = release(k, rest);
     subtract_outer(rest, freedoms_[k].D, U);
   }
   if (step.parent != ground) {
     if (step.first_to_parent)
-      narrow_copy(moved_inward(system.bodies[step.body].r, rest), star_[step.parent]);
+      star_[step.parent] = moved_inward(system.bodies[step.body].r, rest);
     else
       add(star_[step.parent], moved_inward(system.bodies[step.body].r, rest));
   }
@@ -140,7 +139,7 @@ void LoopFactors<S>::release_columns(const System<S>& system, const BodyStep& st
     const Attachment& a = plan_.attachments[at];
     for (int x = 0; x < (fixed ? fixed : a.rows); ++x) {
       Wrench<S> e;
-      narrow_copy(columns_[step.first_column + a.column + x], e);
+      e = columns_[step.first_column + a.column + x];
       for (int k = 0; k < step.nv; ++k) {
         const Freedom& freedom = freedoms_[step.v + k];
         const int here = k * w + a.column + x;
@@ -158,7 +157,7 @@ template <class S>
 template <int fixed>
 void LoopFactors<S>::release_hinge(const System<S>& system, const BodyStep& step) {
   Wrench<S> D;
-  narrow_copy(freedoms_[step.v].D, D);
+  D = freedoms_[step.v].D;
   const S inverse = freedoms_[step.v].inverse;
   const Vec3<S> axis = system.columns[step.v].angular, r = system.bodies[step.body].r;
   for (int at = step.attachments.begin; at < step.attachments.end; ++at) {

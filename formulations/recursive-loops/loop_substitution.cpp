@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "formulations/recursive-loops/narrow_copy.h"
-
 namespace lanc {
 
 template <class S>
@@ -98,11 +96,11 @@ void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
   const Range around = step.attachments;
   const int i = step.body;
   Wrench<S> rest;
-  narrow_copy(load_[i], rest);
+  rest = load_[i];
   if constexpr (pass != Pass::correction) {
     const Motion<S>& bias = task.rhs.bias[i];
     rest -= factors.star(i) * bias;
-    narrow_copy(rest, load_[i]);
+    load_[i] = rest;
     const Wrench<S>* const e = factors.columns(step.first_column);
     for (int at = around.begin; at < around.end; ++at) {
       const Attachment& a = attachments[at];
@@ -159,13 +157,13 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
     add_along(factors.kind(v), task.system.columns[v], vdot, a);
   }
   if constexpr (pass == Pass::correction) {
-    narrow_copy(a, delta_[i]);
+    delta_[i] = a;
     solution.acceleration[i] += a;
   } else {
     const Motion<S> whole = a + task.rhs.bias[i];
-    narrow_copy(whole, solution.acceleration[i]);
+    solution.acceleration[i] = whole;
     if constexpr (pass == Pass::first) {  // for the residual
-      narrow_copy(task.rhs.force[i] - task.system.bodies[i].inertia * whole, load_[i]);
+      load_[i] = task.rhs.force[i] - task.system.bodies[i].inertia * whole;
       return;
     }
   }
@@ -175,7 +173,7 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
     const Attachment& m = attachments[at];
     for (int x = 0; x < (fixed ? fixed : m.rows); ++x) f -= e[m.column + x] * lambda_[m.row + x];
   }
-  narrow_copy(f, solution.wrench[i]);
+  solution.wrench[i] = f;
 }
 
 template <class S>
