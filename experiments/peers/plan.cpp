@@ -60,7 +60,7 @@ constexpr ErrorBound all_error_bounds[] = {
 }  // namespace
 
 std::vector<std::string> default_models(bool quick) {
-  const std::string humanoid = LANC_DATA_DIR "/models/humanoid.toml";
+  const std::string humanoid = LANC_DATA_DIR "/models/robots/humanoid.toml";
   if (quick) return {"chain:6", "tree:63", humanoid, "four-bar-ladder:1", "four-bar-ladder:10"};
   return {"chain:1",
           "chain:6",

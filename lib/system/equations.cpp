@@ -26,9 +26,17 @@ void sweep_outward(const System<S>& system, const RightHandSide<S>& rhs, Solutio
 template <class S>
 void sweep_inward(const System<S>& system, Solution<S>& solution) {
   const std::span<const Link> links = system.model.links();
-  for (int i = system.model.bodies() - 1; i >= 0; --i)
-    if (const int p = links[i].parent; p != ground)
-      solution.wrench[p] += moved_inward(system.bodies[i].r, solution.wrench[i]);
+  Wrench<S> handed;  // by body i + 1 to its parent, if that is i
+  bool by_next = false;
+  for (int i = system.model.bodies() - 1; i >= 0; --i) {
+    const int p = links[i].parent;
+    Wrench<S> f = solution.wrench[i];
+    if (by_next) f += handed, solution.wrench[i] = f;
+    by_next = p == i - 1;
+    if (p == ground) continue;
+    handed = moved_inward(system.bodies[i].r, f);
+    if (!by_next) solution.wrench[p] += handed;
+  }
 }
 
 /// Adds sign × G_sᵀ λ to wrenches on bodies.

@@ -60,7 +60,7 @@ TEST_F(Run, takes_all_models_and_formulations_when_nothing_is_said) {
 }
 
 TEST_F(Run, globs_choose_and_other_models_are_taken_literally) {
-  EXPECT_EQ(run({"--models", "chain:*", "--models", "tree:7", "--formulations", "recurs*", "--depth", "3"}), 0);
+  EXPECT_EQ(run({"--models", "chain:*", "--models", "tree:7", "--formulations", "recursiv?", "--depth", "3"}), 0);
   EXPECT_EQ(models, (std::vector<std::string>{"chain:1", "chain:2", "tree:7"}));
   EXPECT_EQ(formulations, 1U);
   EXPECT_EQ(depth, 3);

@@ -159,7 +159,7 @@ TEST(Verdict, takes_what_is_not_finite_or_not_there_for_another_answer) {
 
 /// Whatever peers there are in the program: all of them agree with us, on all kinds of joints they take.
 TEST(PeersProgram, has_a_row_for_every_pair_and_finds_no_peer_that_disagrees) {
-  const std::string humanoid = LANC_SOURCE_DIR "/data/models/humanoid.toml";
+  const std::string humanoid = LANC_SOURCE_DIR "/data/models/robots/humanoid.toml";
   const test::Words models = {
       "chain:2", "chain:3:joint=prismatic", "chain:3:joint=spherical",   "chain:1:joint=free", "chain:100",
       humanoid,  "four-bar-ladder:2",       "four-bar-ladder:2:cut=weld"};
