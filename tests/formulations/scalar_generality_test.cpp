@@ -47,7 +47,7 @@ ClosureRank<Bare>::ClosureRank(const Model&) {}
 template <>
 ClosureRank<Bare>::~ClosureRank() = default;
 template <>
-const ClosureDecision& ClosureRank<Bare>::decision() const {
+[[maybe_unused]] const ClosureDecision& ClosureRank<Bare>::decision() const {
   std::abort();
 }
 
