@@ -36,10 +36,10 @@ def main():
                       linestyle=figures.LINES[index], marker=figures.MARKERS[index], markersize=4.5,
                       label=f"{formulation}: {lanes} lane{'s' * (lanes > 1)}, {threads} core{'s' * (threads > 1)}")
         axes.set_xscale("log")
-        axes.set_yscale("log")
         axes.set_xlabel("bodies n")
         axes.set_title(family, fontsize=10)
         axes.grid(True, which="major", color="0.88", linewidth=0.6)
+    grid[0][0].set_ylim(bottom=0)
     grid[0][0].set_ylabel("time a body and state, ns")
     grid[0][0].legend(fontsize=8, frameon=False)
     fig.tight_layout()

@@ -25,7 +25,7 @@ def read(path):
     """{family: {formulation: {(phase, metric): {bodies: value}}}}"""
     data = collections.defaultdict(lambda: collections.defaultdict(lambda: collections.defaultdict(dict)))
     for row in figures.rows(path):
-        if row["value"] and row["status"] != "objection":
+        if row["value"] and row["formulation"] and row["status"] != "objection":
             key = row["phase"], row["metric"]
             data[family(row["model"])][row["formulation"]][key][int(row["bodies"])] = float(row["value"])
     return data

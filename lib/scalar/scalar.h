@@ -1,8 +1,8 @@
 // What a scalar must offer, and nothing more.
 //
 // Kinematics and the formulations are templates on a scalar S. Code on S uses + − × ÷ sin cos sqrt and no comparison,
-// so that a pack of SIMD lanes or a dual number can take S's place. Scalars offered today: double, long double, Count,
-// and Dual<8> for kinematics and the equations row by row.
+// so that a pack of SIMD lanes or a dual number can take S's place. Scalars offered today: double, long double, Count;
+// Dual<8> for kinematics and the equations row by row; Pack for kinematics and the recursion.
 #pragma once
 
 #include <cmath>
