@@ -9,7 +9,8 @@
 namespace lanc {
 
 /// Bound to a model; allocates here and never again. One object per thread.
-/// Scalars: double, long double, Count, Dual<8>, NativePack. Tested by tests/lib/evaluator_test.cpp and the contract tests.
+/// Scalars: double, long double, Count, Dual<8>, NativePack. Tested by tests/lib/evaluator_test.cpp and the contract
+/// tests.
 template <class S>
 class Evaluator {
  public:
