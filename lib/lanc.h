@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lib/derivatives/forward_derivatives.h"
+#include "lib/formulation/batch.h"
 #include "lib/formulation/formulation.h"
 #include "lib/io/generators.h"
 #include "lib/io/joint_graph.h"
