@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "lib/model/coordinates.h"
+#include "lib/model/error.h"
 #include "lib/report/crossing.h"
 #include "lib/report/experiment.h"
 #include "lib/report/table.h"
@@ -75,6 +76,8 @@ struct Way {
 void measure(Experiment& e, const std::string& name, const FormulationInfo& info, int count, TextTable& table) {
   const Mechanism m = e.load(name);
   if (const auto reason = info.objection(m.model)) return e.progress().say(fmt::format("{}: {}", name, *reason));
+  if (m.model.has_closures() || m.model.nv() == 0)
+    return e.progress().say(fmt::format("{}: batches are compared on open mechanisms that can move", name));
   const Cell once = e.cell(name, m.model, std::string(info.name));
   const Cloud cloud(m, count);
   OneByOne one_by_one(m.model, info, cloud.states, count);
@@ -125,6 +128,7 @@ int main(int argc, char** argv) {
                          .formulations = [](const FormulationInfo& info) { return info.create_kernel != nullptr; }});
   experiment.option("--states", states, "states in a batch");
   return experiment.run(argc, argv, [&](Experiment& e) {
+    if (states < 1) throw InputError(fmt::format("--states {}: give at least one", states));
     TextTable table(
         {"model", "formulation", "solved", "one by one", "in lanes", "on all cores", "lanes gain", "cores gain"});
     e.progress().start(static_cast<std::int64_t>(e.models().size() * e.formulations().size()));

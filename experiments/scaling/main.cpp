@@ -55,21 +55,25 @@ struct Forecasts {
   Forecast bytes, seconds;
 };
 
-/// Singular values of 10⁶ loops would take longer than all the rest. Of a regular mechanism the rank is known from a
-/// smaller one, and the pivots of formulations that have some confirm it.
+/// Singular values of 10⁶ loops would take longer than all the rest. Of a regular mechanism the rank is known from
+/// two smaller ones, and the pivots of formulations that have some confirm it.
 class Rank {
  public:
   RankPolicy of(const Model& model) const {
     const std::int64_t rows = model.closures().rows();
-    if (rows == 0 || rows_ == 0 || rows % rows_ != 0) return {};
-    return {.rank = static_cast<int>(rank_ * (rows / rows_)), .by_pivots = true};
+    if (!agreed_ || rows * rank_ % rows_ != 0) return {};
+    return {.rank = static_cast<int>(rows * rank_ / rows_), .by_pivots = true};
   }
   void learn(const Model& model, const Outcome& outcome) {
-    if (outcome.usable()) rows_ = model.closures().rows(), rank_ = outcome.rank;
+    const std::int64_t rows = model.closures().rows();
+    if (!outcome.usable() || rows == 0 || rows == rows_) return;
+    agreed_ = rows_ > 0 && rank_ * rows == outcome.rank * rows_;
+    rows_ = rows, rank_ = outcome.rank;
   }
 
  private:
   std::int64_t rows_ = 0, rank_ = 0;
+  bool agreed_ = false;  // two sizes had the same share of independent rows
 };
 
 /// The kind of model: its argument without the size.

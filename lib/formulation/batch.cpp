@@ -62,7 +62,7 @@ struct Batch::Work {
         options(o),
         in_packs(info.create_kernel && !m.has_closures() && !m.has_singular_inertia()),
         arena(o.threads > 0 ? o.threads : tbb::task_arena::automatic),
-        workspaces([m, &info, packs = in_packs] { return Workspace(m, info, packs); }) {}
+        workspaces([m, info, packs = in_packs] { return Workspace(m, info, packs); }) {}
 
   void solve(const BatchStates& states, int first, int count, BatchAnswers& answers) {
     Workspace& own = workspaces.local();

@@ -45,7 +45,8 @@ class BatchKernel {
 /// Every state gets the answer and the outcome that Formulation::solve() gives it, to rounding. What a state lacks (a
 /// NaN, a singular configuration) concerns no other: states that do not pass the first look of a kernel, and all where
 /// loops are closed, inertias are singular or the formulation has no kernel, are solved one by one by
-/// Formulation::solve(). Allocates here; solve() only where answers do not fit the number of states yet.
+/// Formulation::solve(). A thread allocates what it works with at its first state; states that are solved one by one
+/// allocate. A model without velocities has no states.
 /// Tested by tests/contract/batch_test.cpp.
 class Batch {
  public:

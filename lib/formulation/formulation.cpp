@@ -110,6 +110,7 @@ Outcome Formulation<S>::solve(const System<S>& system, Solution<S>& solution, Ra
 template <class S>
 Outcome Formulation<S>::prepare(const System<S>& system, RankPolicy policy) {
   if (!finite(system)) return not_finite(system);
+  policy.by_pivots = false;  // respond() makes right-hand sides consistent by the singular vectors
   decide(system, policy);
   assemble(system);
   Outcome outcome = factorise(system);

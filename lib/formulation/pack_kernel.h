@@ -2,7 +2,7 @@
 // Private to lib and formulations.
 #pragma once
 
-#include <cmath>
+#include <algorithm>
 
 #include "lib/formulation/batch.h"
 #include "lib/formulation/judgement.h"

@@ -1,5 +1,7 @@
 #include "lib/report/phases.h"
 
+#include <cmath>
+
 #include "lib/report/memory.h"
 
 namespace lanc {
@@ -68,6 +70,7 @@ PhaseTimer::PhaseTimer(Factory<double> create, const Model& model, const State<d
     analyse_seconds_ = thread_seconds() - begin;
     outcome_ = formulation_->solve(*system_, solution_, policy_);
   });
+  if (!std::isnan(outcome_.sigma)) policy_.by_pivots = false;  // pivots did not do, and singular values were asked
 }
 
 std::vector<Measurement> PhaseTimer::repetition() {

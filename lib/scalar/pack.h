@@ -75,6 +75,12 @@ class Pack {
   Vector v_;
 };
 
+/// Numbers below 10⁻³⁸ are zero.
+template <class S>
+constexpr bool is_single_precision = false;
+template <int N>
+constexpr bool is_single_precision<Pack<float, N>> = true;
+
 template <class T, int N>
 inline void sines_and_cosines(const Pack<T, N>* angle, Pack<T, N>* sine, Pack<T, N>* cosine, int n) {
   static_assert(sizeof(Pack<T, N>) == N * sizeof(T));

@@ -22,7 +22,7 @@ inline void sines_and_cosines(const S* angle, S* sine, S* cosine, int n) {
   for (int k = 0; k < n; ++k) sine[k] = sin(angle[k]), cosine[k] = cos(angle[k]);
 }
 /// To one unit in the last place, by SLEEF's vector functions where built with it: a seventh of the time of libm's,
-/// which were a third of the kinematics of a chain. NaN and infinity give NaN. Tested by tests/lib/scalar_test.cpp.
+/// which were a third of the kinematics of a chain. NaN and infinity give NaN. Tested by tests/lib/pack_test.cpp.
 void sines_and_cosines(const double* angle, double* sine, double* cosine, int n);
 void sines_and_cosines(const float* angle, float* sine, float* cosine, int n);
 

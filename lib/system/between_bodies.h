@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lib/model/model.h"
+#include "lib/scalar/pack.h"
 #include "lib/system/closure_rows.h"
 
 namespace lanc {
@@ -33,8 +34,9 @@ Vec3<S> spring_pull(const PointSpring& spring, const Vec3<S>& d, const Vec3<S>& 
   }
   if (spring.damping == 0) return d * stiffness;
   // The direction without asking whether d is zero: where it is, the speed's, and none where that is zero, too.
-  const Vec3<S> along = d + speed * S(1e-140);
-  const S squared = dot(along, along) + S(1e-300);
+  constexpr bool single = is_single_precision<S>;
+  const Vec3<S> along = d + speed * S(single ? 1e-15 : 1e-140);
+  const S squared = dot(along, along) + S(single ? 1e-35 : 1e-300);
   return d * stiffness + along * (damping * dot(along, speed) / squared);
 }
 

@@ -24,7 +24,6 @@ struct Cloud {
       State<double> state = about;
       for (std::size_t i = 0; i < state.q.size(); ++i) state.q[i] += 1e-7 * std::sin(1 + 3.0 * k + double(i));
       state = checked_state(model, state);
-      for (std::size_t i = 0; i < state.q.size(); ++i) state.q[i] += 0;
       for (std::size_t i = 0; i < state.v.size(); ++i) {
         state.v[i] += 0.3 * std::cos(2 + 5.0 * k + double(i));
         tau.push_back(std::sin(4.0 * k - double(i)));

@@ -250,6 +250,21 @@ TEST(RecursiveLoops, a_held_rank_by_pivots_gives_the_accelerations_of_singular_v
   }
 }
 
+TEST(RecursiveLoops, prepares_other_right_hand_sides_by_singular_values_whatever_the_policy) {
+  const Mechanism m = load_mechanism("four-bar-ladder:3");
+  Evaluator<double> evaluator(m.model);
+  const System<double>& system = evaluator.system(m.state);
+  const auto solver = formulation().create_double(m.model);
+  Solution<double> expected(m.model), solution(m.model);
+  ASSERT_TRUE(solver->solve(system, expected).usable());
+  const Outcome outcome = solver->prepare(system, {.rank = 6, .by_pivots = true});
+  EXPECT_TRUE(outcome.usable()) << outcome.message;
+  EXPECT_FALSE(std::isnan(outcome.sigma));
+  RightHandSide<double> rhs = system.rhs;
+  solver->respond(system, rhs, solution);
+  for (int k = 0; k < m.model.nv(); ++k) EXPECT_NEAR(solution.vdot[k], expected.vdot[k], 1e-11);
+}
+
 TEST(RecursiveLoops, a_held_rank_by_pivots_does_not_hide_that_conditions_contradict) {
   Mechanism m = load_mechanism("four-bar-ladder:3");
   ModelSpec spec = m.model.spec();
