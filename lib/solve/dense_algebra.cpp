@@ -167,11 +167,6 @@ DenseVector<S> Qr<S>::times_Q(const DenseVector<S>& x) const {
 }
 
 template <class S>
-DenseVector<S> Qr<S>::times_Q_transposed(const DenseVector<S>& x) const {
-  return qr_.householderQ().adjoint() * x;
-}
-
-template <class S>
 void PivotedQr<S>::compute(const DenseMatrix<S>& A) {
   qr_.compute(A);
 }
@@ -181,26 +176,6 @@ DenseMatrix<S> PivotedQr<S>::Q(Eigen::Index r) const {
   DenseMatrix<S> Q = DenseMatrix<S>::Identity(qr_.rows(), r);
   Q.applyOnTheLeft(qr_.householderQ());
   return Q;
-}
-
-template <class S>
-DenseMatrix<S> PivotedQr<S>::R(Eigen::Index r) const {
-  return qr_.matrixR().topRows(r).template triangularView<Eigen::Upper>();
-}
-
-template <class S>
-DenseVector<S> PivotedQr<S>::times_Q(const DenseVector<S>& x) const {
-  return qr_.householderQ() * x;
-}
-
-template <class S>
-DenseVector<S> PivotedQr<S>::permuted(const DenseVector<S>& x) const {
-  return qr_.colsPermutation() * x;
-}
-
-template <class S>
-DenseVector<S> PivotedQr<S>::permuted_back(const DenseVector<S>& x) const {
-  return qr_.colsPermutation().transpose() * x;
 }
 
 template <class S>

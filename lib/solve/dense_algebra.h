@@ -105,7 +105,6 @@ class Qr {
   /// The first r rows of R, square.
   DenseMatrix<S> R(Eigen::Index r) const;
   DenseVector<S> times_Q(const DenseVector<S>& x) const;
-  DenseVector<S> times_Q_transposed(const DenseVector<S>& x) const;
 
  private:
   Eigen::HouseholderQR<DenseMatrix<S>> qr_;
@@ -118,12 +117,6 @@ class PivotedQr {
   void compute(const DenseMatrix<S>& A);
   /// The first r columns of Q.
   DenseMatrix<S> Q(Eigen::Index r) const;
-  /// The first r rows of R, with all columns.
-  DenseMatrix<S> R(Eigen::Index r) const;
-  DenseVector<S> times_Q(const DenseVector<S>& x) const;
-  /// P x and Pᵀ x.
-  DenseVector<S> permuted(const DenseVector<S>& x) const;
-  DenseVector<S> permuted_back(const DenseVector<S>& x) const;
 
  private:
   Eigen::ColPivHouseholderQR<DenseMatrix<S>> qr_;

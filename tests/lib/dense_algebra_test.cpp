@@ -145,17 +145,12 @@ TYPED_TEST(DenseAlgebra, QrIsOrthogonalTimesTriangular) {
     this->expect_equal(this->times(Q, this->transposed(Q)), DenseMatrix<TypeParam>::Identity(n, n));
     this->expect_equal(this->times(first, qr.R(r)), A);
     this->expect_equal(qr.times_Q(x), this->times(Q, x));
-    this->expect_equal(qr.times_Q_transposed(x), this->times(this->transposed(Q), x));
 
     const auto B = this->transposed(A);  // more columns than rows: only the first r count
     PivotedQr<TypeParam> pivoted;
     pivoted.compute(B);
-    const auto QR = this->times(pivoted.Q(r), pivoted.R(r));  // B P
-    const auto y = this->random(n);
-    this->expect_equal(this->times(QR, pivoted.permuted_back(y)), this->times(B, y));
-    this->expect_equal(pivoted.permuted(pivoted.permuted_back(y)), y);
-    const auto z = this->random(r);
-    this->expect_equal(pivoted.times_Q(z), this->times(pivoted.Q(r), z));
+    const auto range = pivoted.Q(r);
+    this->expect_equal(this->times(range, this->times(this->transposed(range), B)), B);
   }
 }
 
