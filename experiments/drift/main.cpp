@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
              if (!quick) models.push_back(LANC_DATA_DIR "/models/linkages/bricard.toml");
              return models;
            },
-       .formulations = [](const FormulationInfo& info) { return info.recursive; }});
+       .formulations = [](const FormulationInfo& info) { return &info == default_formulation(); }});
   Options options;
   experiment.option("--integrators", options.integrators, "glob");
   experiment.option("--stabilisations", options.stabilisations, "glob");

@@ -19,10 +19,14 @@ FLOOR = 1e-17
 def read(path):
     """{model: {(metric, way): [(t, value)]}}."""
     data = collections.defaultdict(lambda: collections.defaultdict(list))
-    for row in figures.rows(path):
+    rows = list(figures.rows(path))
+    several = len({row["formulation"] for row in rows}) > 1
+    for row in rows:
         if row["value"]:
             keys = dict(part.split("=", 1) for part in row["parameters"].split(";"))
             way = keys["integrator"] + ", " + keys["stabilisation"]
+            if several:
+                way = row["formulation"] + ", " + way
             data[row["model"]][row["metric"], way].append((float(keys["t"]), abs(float(row["value"]))))
     return data
 

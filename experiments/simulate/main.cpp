@@ -33,11 +33,10 @@ std::string names_of(const List& list) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto known = formulations();
-  const auto preset = std::find_if(known.begin(), known.end(), [](const auto& info) { return info.recursive; });
+  const FormulationInfo* const preset = default_formulation();
   RunOptions options;
   SimulationOptions& simulation = options.simulation;
-  simulation.formulation = preset == known.end() ? "" : preset->name;
+  simulation.formulation = preset ? preset->name : "";
   simulation.integrator = integrators().front().name;
   for (const IntegratorInfo& info : integrators())
     if (info.name == "erk8") simulation.integrator = info.name;

@@ -51,9 +51,8 @@ StateOutput run(const StateInput& input, const std::string& pattern, const std::
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto known = lanc::formulations();
-  const auto preset = std::find_if(known.begin(), known.end(), [](const auto& info) { return info.recursive; });
-  std::string formulation(preset == known.end() ? "all" : preset->name), folder;
+  const lanc::FormulationInfo* const preset = lanc::default_formulation();
+  std::string formulation(preset ? preset->name : "all"), folder;
   lanc::StateProgram program("solve",
                              "Forward dynamics: accelerations, joint wrenches and drive forces of a mechanism at one "
                              "state.\nExit code 0 only when solved (or redundant), 1 for any other status, 2 for bad "

@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
        .repetitions = 3,
        .quick_repetitions = 1,
        .models = [](bool) { return std::vector<std::string>(); },
-       .formulations = [](const FormulationInfo& info) { return info.recursive; }});
+       .formulations = [](const FormulationInfo& info) { return &info == default_formulation(); }});
   Options options;
   experiment.option("--problems", options.problems,
                     "glob over the names of the files in data/reference (default: seven)");

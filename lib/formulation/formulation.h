@@ -164,6 +164,8 @@ std::unique_ptr<Formulation<S>> create(const Model& model) {
 std::span<const FormulationInfo> formulations();
 /// Null when there is none of that name.
 const FormulationInfo* find_formulation(std::string_view name);
+/// What programs take when none is named: the first of the recursive family. Null when none is registered.
+const FormulationInfo* default_formulation();
 
 /// A namespace-scope object of this type puts a formulation into the register.
 struct Registration {

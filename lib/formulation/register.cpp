@@ -26,4 +26,10 @@ const FormulationInfo* find_formulation(std::string_view name) {
   return nullptr;
 }
 
+const FormulationInfo* default_formulation() {
+  for (const FormulationInfo& info : formulations())
+    if (info.recursive) return &info;
+  return nullptr;
+}
+
 }  // namespace lanc

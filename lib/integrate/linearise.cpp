@@ -86,9 +86,7 @@ Matrix full_mass(const System<double>& system) {
 
 Outcome linearise(const Model& model, const State<double>& state, const std::vector<int>& chosen,
                   LinearisedMotion& result) {
-  const FormulationInfo* formulation = nullptr;
-  for (const FormulationInfo& info : formulations())
-    if (info.recursive) formulation = &info;
+  const FormulationInfo* const formulation = default_formulation();
   if (!formulation) return {Status::objection, "no recursive formulation is registered"};
   MotionSolver solver(model, *formulation, {});
   const Outcome outcome = solver.solve(state);
