@@ -190,6 +190,8 @@ class Planner {
   void write_closure(int c);
   Range write_meetings(const Set& around, const std::vector<int>& places);
   int column_at(int body, int closure) const;
+  int strips(int closure) const { return graph_.closure(closure).rows / plan_.width; }
+  Attachment attachment(int closure, int column, int block, int left);
 
   const Model& model_;
   EliminationPlan& plan_;
@@ -199,8 +201,9 @@ class Planner {
   std::vector<int> frontier_, position_;           // per closure: the body left, the step it goes
   std::vector<Set> columns_of_;                    // per body: closures in the order of its columns
   std::vector<char> touched_;                      // per body: something was handed to its inertia
-  std::vector<int> first_column_;                  // per body
-  std::vector<int> block_;                         // per closure, of it with itself
+  std::vector<char> columns_touched_, blocks_touched_;
+  std::vector<int> first_column_;  // per body
+  std::vector<int> block_;         // per closure, of it with itself
 };
 
 void Planner::run(double most_operations) {
@@ -229,11 +232,6 @@ void Planner::run(double most_operations) {
     order_.push_back(node);
   }
   touched_.resize(model_.bodies());
-  for (int c = 0; c < graph_.closures(); ++c) {
-    const int rows = graph_.closure(c).rows;
-    plan_.rows_each = c == 0 || rows == plan_.rows_each ? rows : 0;
-    if (plan_.rows_each == 0) break;
-  }
   lay_out_columns();
   lay_out_blocks();
   for (const int node : order_) {
@@ -255,13 +253,19 @@ void Planner::lay_out_columns() {
     for (const int c : graph_.body(i).met)
       if (!std::binary_search(columns.begin(), columns.begin() + alive, c)) columns.push_back(c);
     first_column_[i] = plan_.columns;
-    for (const int c : columns) plan_.columns += graph_.closure(c).rows;
+    for (const int c : columns) plan_.columns += strips(c);
   }
+  columns_touched_.resize(plan_.columns);
   const ClosureSet& set = model_.closures();
   for (int c = 0; c < static_cast<int>(set.closures.size()); ++c) {
     const Closure& closure = set.closures[c];
-    const auto column = [&](int body) { return body == ground ? -1 : column_at(body, c); };
-    plan_.ends.push_back({closure.row, graph_.closure(c).rows, closure.body_a, closure.body_b, column(closure.body_a),
+    const auto column = [&](int body) {
+      if (body == ground) return -1;
+      const int at = column_at(body, c);
+      columns_touched_[at] = true;
+      return at;
+    };
+    plan_.ends.push_back({closure.row / plan_.width, strips(c), closure.body_a, closure.body_b, column(closure.body_a),
                           column(closure.body_b)});
   }
 }
@@ -270,7 +274,7 @@ int Planner::column_at(int body, int closure) const {
   int column = first_column_[body];
   for (const int c : columns_of_[body]) {
     if (c == closure) break;
-    column += graph_.closure(c).rows;
+    column += strips(c);
   }
   return column;
 }
@@ -282,9 +286,10 @@ void Planner::lay_out_blocks() {
     if (node >= 0) continue;
     const int c = -1 - node, rows = graph_.closure(c).rows;
     block_[c] = plan_.delassus;
-    plan_.delassus += rows * rows;
-    for (const int d : closure_around_[c]) plan_.delassus += rows * graph_.closure(d).rows;
+    plan_.delassus += rows * strips(c);
+    for (const int d : closure_around_[c]) plan_.delassus += rows * strips(d);
   }
+  blocks_touched_.resize(plan_.delassus);
 }
 
 /// `first` goes before `second`, or is it.
@@ -292,12 +297,19 @@ int Planner::block_of(int first, int second) const {
   const int rows = graph_.closure(first).rows;
   int block = block_[first];
   if (first == second) return block;
-  block += rows * rows;
+  block += rows * strips(first);
   for (const int d : closure_around_[first]) {
     if (d == second) break;
-    block += rows * graph_.closure(d).rows;
+    block += rows * strips(d);
   }
   return block;
+}
+
+/// `left`: the body that is left, or the ground.
+Attachment Planner::attachment(int closure, int column, int block, int left) {
+  const int to = left < 0 ? -1 : column_at(left, closure);
+  const bool first = to >= 0 && !std::exchange(columns_touched_[to], true);
+  return {graph_.closure(closure).row / plan_.width, strips(closure), column, block, to, first};
 }
 
 /// All pairs of closures around a node; `places`: columns or blocks of the step.
@@ -308,8 +320,9 @@ Range Planner::write_meetings(const Set& around, const std::vector<int>& places)
       const bool swap = position_[around[a]] > position_[around[b]];
       const std::size_t first = swap ? b : a, second = swap ? a : b;
       const int c = around[first], d = around[second];
-      const int rows = graph_.closure(c).rows, columns = graph_.closure(d).rows;
-      plan_.meetings.push_back({places[first], places[second], rows, columns, block_of(c, d)});
+      const int block = block_of(c, d);
+      const bool untouched = !std::exchange(blocks_touched_[block], true);
+      plan_.meetings.push_back({places[first], places[second], strips(c), strips(d), block, untouched});
     }
   range.end = static_cast<int>(plan_.meetings.size());
   return range;
@@ -322,17 +335,16 @@ void Planner::write_body(int i) {
   step.attachments.begin = static_cast<int>(plan_.attachments.size());
   std::vector<int> columns;
   for (const int c : body_around_[i]) {
-    const auto& closure = graph_.closure(c);
     columns.push_back(step.columns);
-    plan_.attachments.push_back(
-        {closure.row, closure.rows, step.columns, -1, link.parent == ground ? -1 : column_at(link.parent, c)});
-    step.columns += closure.rows;
+    plan_.attachments.push_back(attachment(c, step.columns, -1, link.parent));
+    step.columns += strips(c);
   }
   step.attachments.end = static_cast<int>(plan_.attachments.size());
   step.untouched = !touched_[i];
   if (link.parent != ground) step.first_to_parent = !std::exchange(touched_[link.parent], true);
   step.meetings = write_meetings(body_around_[i], columns);
-  plan_.operations += 180 + step.columns * (18.0 + link.nv * (17 + step.columns));
+  const int rows = step.columns * plan_.width;
+  plan_.operations += 180 + rows * (18.0 + link.nv * (17 + rows));
   step.terms.begin = static_cast<int>(plan_.terms.size());
   const ClosureSet& set = model_.closures();
   for (std::size_t at = 0; at < body_around_[i].size(); ++at) {
@@ -353,21 +365,20 @@ void Planner::write_body(int i) {
 void Planner::write_closure(int c) {
   const auto& closure = graph_.closure(c);
   const int body = frontier_[c], m = closure.rows;
-  ClosureStep step{.row = closure.row,
-                   .rows = m,
+  ClosureStep step{.strip = closure.row / plan_.width,
+                   .strips = strips(c),
                    .block = block_[c],
                    .weights = plan_.weights,
                    .body = body,
                    .first_column = body < 0 ? -1 : column_at(body, c)};
-  plan_.weights += m * m;
+  plan_.weights += m * strips(c);
   if (body >= 0) step.first_to_body = !std::exchange(touched_[body], true);
   step.attachments.begin = static_cast<int>(plan_.attachments.size());
   std::vector<int> blocks;
   int columns = m;
   for (const int d : closure_around_[c]) {
     blocks.push_back(block_of(c, d));
-    plan_.attachments.push_back(
-        {graph_.closure(d).row, graph_.closure(d).rows, -1, blocks.back(), body < 0 ? -1 : column_at(body, d)});
+    plan_.attachments.push_back(attachment(d, -1, blocks.back(), body));
     columns += graph_.closure(d).rows;
   }
   step.attachments.end = static_cast<int>(plan_.attachments.size());
@@ -379,8 +390,18 @@ void Planner::write_closure(int c) {
 
 }  // namespace
 
-EliminationPlan::EliminationPlan(const Model& model, EliminationRule rule, double most_operations) {
+EliminationPlan::EliminationPlan(const Model& model, int strip_width, EliminationRule rule, double most_operations)
+    : width(strip_width) {
   Planner(model, rule, *this).run(most_operations);
+}
+
+int rows_each(const Model& model) {
+  const ClosureSet& set = model.closures();
+  if (set.closures.empty()) return set.couplers.empty() ? 0 : 1;
+  const int rows = set.closures.front().conditions().count;
+  const auto as_many = [&](const Closure& c) { return c.conditions().count == rows; };
+  return (set.couplers.empty() || rows == 1) && std::all_of(set.closures.begin(), set.closures.end(), as_many) ? rows
+                                                                                                               : 0;
 }
 
 }  // namespace lanc

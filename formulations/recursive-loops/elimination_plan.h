@@ -10,22 +10,24 @@ namespace lanc {
 
 /// A closure that a step meets.
 struct Attachment {
-  int row, rows;  // of the closure conditions
-  int column;     // of a body's step: of its first row among the columns of the step
-  int block;      // of a closure's step: where the two meet in the Delassus matrix, rows of the step by `rows`
-  int to;         // its columns on the body that is left: index in the array of all columns, or −1 for the ground
+  int strip, strips;  // of the closure conditions
+  int column;         // of a body's step: of its first strip among the columns of the step
+  int block;          // of a closure's step: where the two meet in the Delassus matrix, rows of the step by `strips`
+  int to;             // its columns on the body that is left: index in the array of all columns, or −1 for the ground
+  bool first;         // nothing was put there before
 };
 
 /// Where two attachments of a step meet in the Delassus matrix.
 struct Meeting {
   int first, second;  // of a body's step: columns; of a closure's: blocks
-  int first_rows, second_rows;
-  int block;  // first_rows × second_rows numbers, row by row
+  int first_strips, second_strips;
+  int block;         // rows of the first × strips of the second, row by row
+  bool first_there;  // nothing was put there before
 };
 
 /// A coupler acts on a velocity of the body that is eliminated.
 struct DirectTerm {
-  int freedom, column, row;
+  int freedom, column, row;  // each row is a strip where there are couplers
   double factor;
 };
 
@@ -39,7 +41,7 @@ struct Range {
 struct BodyStep {
   int body, parent;
   int v, nv;
-  int first_column, columns;  // in the array of all columns
+  int first_column, columns;  // in the array of all columns, a column standing for a strip
   int responses;              // of C_kᵀ e / N_k, nv × columns, in the array of all responses
   bool untouched;             // nothing was handed to its inertia before
   bool first_to_parent;       // nor to that of the parent
@@ -48,9 +50,9 @@ struct BodyStep {
 
 /// A closure leaves. All bodies on its loop are gone but one, `body`; its columns there are at `first_column`.
 struct ClosureStep {
-  int row, rows;
+  int strip, strips;
   int block;               // of the closure with itself
-  int weights;             // rows × rows numbers of its factor, in an array of their own
+  int weights;             // rows × strips of its factor, in an array of their own
   int body, first_column;  // −1: all is gone
   bool first_to_body;      // nothing was handed to its inertia before
   Range attachments, meetings;
@@ -58,7 +60,7 @@ struct ClosureStep {
 
 /// A closure between bodies, and its own columns on them (in the array of all columns); −1: the ground.
 struct ClosureEnds {
-  int row, rows;
+  int strip, strips;
   int body_a, body_b;
   int column_a, column_b;
 };
@@ -79,6 +81,8 @@ enum class EliminationRule : unsigned char {
 ///
 /// A chain of loops, a ladder, a tree of loops: linear in bodies and loops. Tested by
 /// tests/formulations/recursive_loops_test.cpp.
+///
+/// The numeric elimination treats `width` rows of a closure side by side, as a strip; all places are counted in strips.
 struct EliminationPlan {
   std::vector<int> order;  // k ≥ 0: bodies[k]; k < 0: closures[−1 − k]
   std::vector<BodyStep> bodies;
@@ -87,13 +91,17 @@ struct EliminationPlan {
   std::vector<Meeting> meetings;
   std::vector<DirectTerm> terms;
   std::vector<ClosureEnds> ends;                              // of the closures between bodies
-  int rows_each = 0;                                          // of every closure, or 0 where they differ
+  int width;                                                  // rows of a strip
   int columns = 0, responses = 0, delassus = 0, weights = 0;  // sizes of the numeric arrays
   int most_responses = 0;                                     // of one step
   double operations = 0;  // about, of one factorisation; infinite when the limit was passed, and there is no plan
 
-  explicit EliminationPlan(const Model& model, EliminationRule rule = EliminationRule::path,
+  /// `width` must divide the rows of every closure.
+  explicit EliminationPlan(const Model& model, int width = 1, EliminationRule rule = EliminationRule::path,
                            double most_operations = std::numeric_limits<double>::infinity());
 };
+
+/// Of every closure and coupler, or 0 where they differ.
+int rows_each(const Model& model);
 
 }  // namespace lanc

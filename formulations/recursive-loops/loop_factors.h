@@ -4,20 +4,10 @@
 #include <span>
 
 #include "formulations/recursive-loops/elimination_plan.h"
+#include "formulations/recursive-loops/strip.h"
 #include "lib/system/system.h"
 
 namespace lanc {
-
-/// Calls f with the number of rows of all closures as a constant where it is a frequent one, else with 0: loops over
-/// the rows are then unrolled, which makes of a ladder's factors a third of the time.
-template <class F>
-inline auto with_rows(int rows_each, F&& f) {
-  switch (rows_each) {
-    case 3: return f(std::integral_constant<int, 3>());
-    case 6: return f(std::integral_constant<int, 6>());
-    default: return f(std::integral_constant<int, 0>());
-  }
-}
 
 /// The factors of eq. 14 with its border (theory, section 4), in the order of an EliminationPlan.
 ///
@@ -35,14 +25,16 @@ inline auto with_rows(int rows_each, F&& f) {
 ///
 /// O(plan), no allocation after the constructor. Source of the pivoting: Higham, Accuracy and Stability of Numerical
 /// Algorithms, section 10.3. Tested by tests/formulations/recursive_loops_test.cpp.
-template <class S>
+template <class S, int width>
 class LoopFactors {
  public:
+  using Rows = Strip<S, width>;
+
   LoopFactors(const Model& model, EliminationPlan plan);
 
   /// Of all rows, vanishing ones being dropped, or, where `counts` has an entry per row, of those that count. False
   /// when there is a pivot nobody can divide by.
-  bool factorise(const System<S>& system, std::span<const char> counts = {});
+  bool factorise(const System<S>& system, std::span<const char> counts);
 
   struct Freedom {
     Wrench<S> D;  // M* C / N
@@ -55,30 +47,25 @@ class LoopFactors {
   ColumnKind kind(int k) const { return kinds_[k]; }
   const ArticulatedInertia<S>& star(int body) const { return star_[body]; }
   const Freedom& freedom(int k) const { return freedoms_[k]; }
-  const Wrench<S>* columns(int at) const { return columns_.data() + at; }  // e; of an eliminated closure E
-  const S* responses(const BodyStep& step, int freedom) const {            // u / N
+  const Wrench<Rows>* columns(int at) const { return columns_.data() + at; }  // e; of an eliminated closure E
+  const Rows* responses(const BodyStep& step, int freedom) const {            // u / N
     return responses_.data() + step.responses + freedom * step.columns;
   }
-  const S* block(int at) const { return delassus_.data() + at; }  // T of eliminated closures
-  const S* weights(const ClosureStep& step) const { return weights_.data() + step.weights; }  // W
-  const S* inverse(const ClosureStep& step) const { return inverse_.data() + step.row; }      // D⁻¹
+  const Rows* block(int at) const { return delassus_.data() + at; }                              // T, row by row
+  const Rows* weights(const ClosureStep& step) const { return weights_.data() + step.weights; }  // W, row by row
+  const Rows* weight_columns(const ClosureStep& step) const { return weight_columns_.data() + step.weights; }
+  const Rows* inverse(const ClosureStep& step) const { return inverse_.data() + step.strip; }  // D⁻¹
 
  private:
   void start(const System<S>& system);
-  template <int fixed>
   bool eliminate(const System<S>& system, std::span<const char> counts);
   void eliminate_body(const System<S>& system, const BodyStep& step);
-  template <int fixed>
   void eliminate_columns(const System<S>& system, const BodyStep& step);
-  template <int fixed>
   void release_columns(const System<S>& system, const BodyStep& step);
-  template <int fixed>
   void release_hinge(const System<S>& system, const BodyStep& step);
-  template <int fixed>
+  void hand_on(const Attachment& to, int strip, const Wrench<Rows>& e);
   bool find_pivots(const ClosureStep& step, std::span<const char> counts);
-  template <int fixed>
   void eliminate_closure(const ClosureStep& step);
-  template <int fixed>
   void hand_to_body(const ClosureStep& step);
 
   Model model_;
@@ -87,16 +74,18 @@ class LoopFactors {
   std::vector<ArticulatedInertia<S>> star_;  // M*
   std::vector<Freedom> freedoms_;
   std::vector<ColumnKind> kinds_;
-  std::vector<Wrench<S>> columns_;
-  std::vector<S> responses_, scratch_;
-  std::vector<S> delassus_;
-  std::vector<S> weights_, inverse_;
-  std::vector<S> taken_;  // what eliminated closures took off S_rr
+  std::vector<Wrench<Rows>> columns_;
+  std::vector<Rows> responses_, scratch_;
+  std::vector<Rows> delassus_;
+  std::vector<Rows> weights_, weight_columns_, inverse_;
+  std::vector<Rows> taken_;  // what eliminated closures took off S_rr
   int dropped_ = 0;
 };
 
-extern template class LoopFactors<double>;
-extern template class LoopFactors<long double>;
-extern template class LoopFactors<Count>;
+extern template class LoopFactors<double, 1>;
+extern template class LoopFactors<double, 3>;
+extern template class LoopFactors<double, 6>;
+extern template class LoopFactors<long double, 1>;
+extern template class LoopFactors<Count, 1>;
 
 }  // namespace lanc

@@ -4,93 +4,110 @@
 
 namespace lanc {
 
-template <class S>
-struct LoopSubstitution<S>::Task {
-  const LoopFactors<S>& factors;
+template <class S, int width>
+struct LoopSubstitution<S, width>::Task {
+  const LoopFactors<S, width>& factors;
   const System<S>& system;
   const RightHandSide<S>& rhs;
   Solution<S>& solution;
 };
 
-template <class S>
-LoopSubstitution<S>::LoopSubstitution(const Model& model)
-    : load_(model.bodies()),
-      start_(model.nv()),
-      gamma_(model.closures().rows()),
-      lambda_(model.closures().rows()),
-      delta_(model.has_closures() ? model.bodies() : 0) {}
+namespace {
 
-template <class S>
-void LoopSubstitution<S>::solve(const LoopFactors<S>& factors, const System<S>& system, const RightHandSide<S>& rhs,
-                                Solution<S>& solution) {
-  const Task task{factors, system, rhs, solution};
-  load_ = rhs.force;
-  gamma_ = rhs.closure;
-  if (!factors.model().has_closures()) return sweep<Pass::only>(task);
-  sweep<Pass::first>(task);
-  solution.lambda = lambda_;
-  residual_of_closures(task);
-  sweep<Pass::correction>(task);
-  for (std::size_t k = 0; k < lambda_.size(); ++k) solution.lambda[k] += lambda_[k];
-}
-
-template <class S>
-template <typename LoopSubstitution<S>::Pass pass>
-void LoopSubstitution<S>::sweep(const Task& task) {
-  with_rows(task.factors.plan().rows_each, [&](auto rows) {
-    constexpr int fixed = pass == Pass::only ? 0 : rows;
-    forward<pass, fixed>(task);
-    backward<pass, fixed>(task);
-  });
-}
-
-template <class S>
-template <typename LoopSubstitution<S>::Pass pass, int fixed>
-void LoopSubstitution<S>::forward(const Task& task) {
-  const EliminationPlan& plan = task.factors.plan();
-  for (const int at : plan.order) {
-    if (at >= 0)
-      forward_body<pass, fixed>(task, plan.bodies[at]);
-    else
-      forward_closure<fixed>(task.factors, plan.closures[-1 - at]);
+/// Numbers of rows as strips.
+template <int width, class S, class Rows>
+void load_rows(const std::vector<S>& rows, std::vector<Rows>& strips) {
+  for (std::size_t s = 0; s < strips.size(); ++s) {
+    Rows strip(0.0);
+    for (int k = 0; k < width; ++k) set_lane<width>(strip, k, rows[s * width + k]);
+    strips[s] = strip;
   }
 }
 
-template <class S>
-template <typename LoopSubstitution<S>::Pass pass, int fixed>
-void LoopSubstitution<S>::backward(const Task& task) {
+}  // namespace
+
+template <class S, int width>
+LoopSubstitution<S, width>::LoopSubstitution(const Model& model)
+    : load_(model.bodies()),
+      start_(model.nv()),
+      gamma_(model.closures().rows() / width),
+      lambda_(model.closures().rows() / width),
+      delta_(model.has_closures() ? model.bodies() : 0) {}
+
+template <class S, int width>
+void LoopSubstitution<S, width>::solve(const LoopFactors<S, width>& factors, const System<S>& system,
+                                       const RightHandSide<S>& rhs, Solution<S>& solution) {
+  const Task task{factors, system, rhs, solution};
+  load_ = rhs.force;
+  if (!factors.model().has_closures()) return forward<Pass::only>(task), backward<Pass::only>(task);
+  load_rows<width>(rhs.closure, gamma_);
+  forward<Pass::first>(task);
+  backward<Pass::first>(task);
+  for (std::size_t k = 0; k < solution.lambda.size(); ++k)
+    solution.lambda[k] = lane<width>(lambda_[k / width], k % width);
+  residual_of_closures(task);
+  forward<Pass::correction>(task);
+  backward<Pass::correction>(task);
+  for (std::size_t k = 0; k < solution.lambda.size(); ++k)
+    solution.lambda[k] += lane<width>(lambda_[k / width], k % width);
+}
+
+template <class S, int width>
+template <typename LoopSubstitution<S, width>::Pass pass>
+void LoopSubstitution<S, width>::forward(const Task& task) {
+  const EliminationPlan& plan = task.factors.plan();
+  for (const int at : plan.order) {
+    if (at >= 0)
+      forward_body<pass>(task, plan.bodies[at]);
+    else
+      forward_closure(task.factors, plan.closures[-1 - at]);
+  }
+}
+
+template <class S, int width>
+template <typename LoopSubstitution<S, width>::Pass pass>
+void LoopSubstitution<S, width>::backward(const Task& task) {
   const EliminationPlan& plan = task.factors.plan();
   const std::vector<Motion<S>>& a = pass == Pass::correction ? delta_ : task.solution.acceleration;
   for (auto at = plan.order.rbegin(); at != plan.order.rend(); ++at) {
     if (*at >= 0)
-      backward_body<pass, fixed>(task, plan.bodies[*at]);
+      backward_body<pass>(task, plan.bodies[*at]);
     else
-      backward_closure<fixed>(task.factors, plan.closures[-1 - *at], a);
+      backward_closure(task.factors, plan.closures[-1 - *at], a);
   }
 }
 
 /// What is left open of the closure conditions, and of the balances of bodies what multipliers do to them: the rest of
 /// these is backward_body()'s.
-template <class S>
-void LoopSubstitution<S>::residual_of_closures(const Task& task) {
+template <class S, int width>
+void LoopSubstitution<S, width>::residual_of_closures(const Task& task) {
   const Solution<S>& x = task.solution;
-  gamma_ = task.rhs.closure;
+  const std::vector<S>& given = task.rhs.closure;
+  load_rows<width>(given, gamma_);
   for (const ClosureEnds& ends : task.factors.plan().ends)
-    for (int k = ends.row; k < ends.row + ends.rows; ++k) {
-      const auto& row = task.system.closure_rows[k];
-      if (ends.body_a != ground)
-        gamma_[k] += dot(x.acceleration[ends.body_a], row.a), load_[ends.body_a] += row.a * x.lambda[k];
-      if (ends.body_b != ground)
-        gamma_[k] += dot(x.acceleration[ends.body_b], row.b), load_[ends.body_b] += row.b * x.lambda[k];
+    for (int s = ends.strip; s < ends.strip + count<width>(ends.strips); ++s) {
+      Rows open(0.0);
+      for (int i = 0; i < width; ++i) {
+        const int k = s * width + i;
+        const auto& row = task.system.closure_rows[k];
+        S sum = given[k];
+        if (ends.body_a != ground)
+          sum += dot(x.acceleration[ends.body_a], row.a), load_[ends.body_a] += row.a * x.lambda[k];
+        if (ends.body_b != ground)
+          sum += dot(x.acceleration[ends.body_b], row.b), load_[ends.body_b] += row.b * x.lambda[k];
+        set_lane<width>(open, i, sum);
+      }
+      gamma_[s] = open;
     }
-  for (const Coupler& c : task.factors.model().closures().couplers)
-    for (const Coupler::Term& term : c.terms) gamma_[c.row] += S(term.factor) * x.vdot[term.v];
+  if constexpr (width == 1)  // else there are no couplers
+    for (const Coupler& c : task.factors.model().closures().couplers)
+      for (const Coupler::Term& term : c.terms) gamma_[c.row] += S(term.factor) * x.vdot[term.v];
 }
 
-template <class S>
-template <typename LoopSubstitution<S>::Pass pass, int fixed>
-void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
-  const LoopFactors<S>& factors = task.factors;
+template <class S, int width>
+template <typename LoopSubstitution<S, width>::Pass pass>
+void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& step) {
+  const LoopFactors<S, width>& factors = task.factors;
   const EliminationPlan& plan = factors.plan();
   const Attachment* const attachments = plan.attachments.data();
   const Range around = step.attachments;
@@ -101,14 +118,14 @@ void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
     const Motion<S>& bias = task.rhs.bias[i];
     rest -= factors.star(i) * bias;
     load_[i] = rest;
-    const Wrench<S>* const e = factors.columns(step.first_column);
+    const Wrench<Rows>* const e = factors.columns(step.first_column);
     for (int at = around.begin; at < around.end; ++at) {
       const Attachment& a = attachments[at];
-      for (int x = 0; x < (fixed ? fixed : a.rows); ++x) gamma_[a.row + x] += dot(bias, e[a.column + x]);
+      for (int s = 0; s < count<width>(a.strips); ++s)
+        gamma_[a.strip + s] += dot(in_every_lane<Rows>(bias), e[a.column + s]);
     }
   }
   if (step.parent == ground && step.nv == 0) return;
-  S* const gamma = gamma_.data();
   for (int k = 0; k < step.nv; ++k) {
     const int v = step.v + k;
     S torque = task.rhs.tau[v] + project(factors.kind(v), task.system.columns[v], rest);
@@ -119,19 +136,19 @@ void LoopSubstitution<S>::forward_body(const Task& task, const BodyStep& step) {
     }
     start_[v] = torque * factors.freedom(v).inverse;
     if (step.parent != ground || k + 1 < step.nv) rest -= factors.freedom(v).D * torque;
-    const S* const response = factors.responses(step, k);
+    const Rows* const response = factors.responses(step, k);
     for (int at = around.begin; at < around.end; ++at) {
       const Attachment& a = attachments[at];
-      for (int x = 0; x < (fixed ? fixed : a.rows); ++x) gamma[a.row + x] += response[a.column + x] * torque;
+      for (int s = 0; s < count<width>(a.strips); ++s) gamma_[a.strip + s] += response[a.column + s] * Rows(torque);
     }
   }
   if (step.parent != ground) load_[step.parent] += moved_inward(task.system.bodies[i].r, rest);
 }
 
-template <class S>
-template <typename LoopSubstitution<S>::Pass pass, int fixed>
-void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) {
-  const LoopFactors<S>& factors = task.factors;
+template <class S, int width>
+template <typename LoopSubstitution<S, width>::Pass pass>
+void LoopSubstitution<S, width>::backward_body(const Task& task, const BodyStep& step) {
+  const LoopFactors<S, width>& factors = task.factors;
   Solution<S>& solution = task.solution;
   const Range around = step.attachments;
   const Attachment* const attachments = factors.plan().attachments.data();
@@ -145,10 +162,11 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
     const int v = step.v + k;
     S vdot = start_[v];
     if (!at_rest || k != step.nv - 1) vdot -= dot(a, factors.freedom(v).D);
-    const S* const response = factors.responses(step, k);
+    const Rows* const response = factors.responses(step, k);
     for (int at = around.begin; at < around.end; ++at) {
       const Attachment& m = attachments[at];
-      for (int x = 0; x < (fixed ? fixed : m.rows); ++x) vdot += response[m.column + x] * lambda_[m.row + x];
+      for (int s = 0; s < count<width>(m.strips); ++s)
+        vdot += sum_of_lanes<width>(response[m.column + s] * lambda_[m.strip + s]);
     }
     if constexpr (pass == Pass::correction)
       solution.vdot[v] += vdot;
@@ -168,69 +186,79 @@ void LoopSubstitution<S>::backward_body(const Task& task, const BodyStep& step) 
     }
   }
   Wrench<S> f = factors.star(i) * a - load_[i];
-  const Wrench<S>* const e = factors.columns(step.first_column);
+  const Wrench<Rows>* const e = factors.columns(step.first_column);
   for (int at = around.begin; at < around.end; ++at) {
     const Attachment& m = attachments[at];
-    for (int x = 0; x < (fixed ? fixed : m.rows); ++x) f -= e[m.column + x] * lambda_[m.row + x];
+    for (int s = 0; s < count<width>(m.strips); ++s) f -= sum_of_lanes<width>(e[m.column + s] * lambda_[m.strip + s]);
   }
   solution.wrench[i] = f;
 }
 
-template <class S>
-template <int fixed>
-void LoopSubstitution<S>::forward_closure(const LoopFactors<S>& factors, const ClosureStep& step) {
-  const int m = fixed ? fixed : step.rows;
-  const S* const W = factors.weights(step);
-  const S* const inverse = factors.inverse(step);
-  S* const gamma = gamma_.data() + step.row;
-  S g[6];
-  for (int r = 0; r < m; ++r) {
-    S sum = W[r * m] * gamma[0];
-    for (int x = 1; x < m; ++x) sum += W[r * m + x] * gamma[x];
-    g[r] = sum * inverse[r];
+template <class S, int width>
+void LoopSubstitution<S, width>::forward_closure(const LoopFactors<S, width>& factors, const ClosureStep& step) {
+  const int own = count<width>(step.strips), m = own * width;
+  const Rows* const W = factors.weight_columns(step);
+  const Rows* const inverse = factors.inverse(step);
+  Rows* const gamma = gamma_.data() + step.strip;
+  Rows g[most_strips<width>];
+  for (int s = 0; s < own; ++s) {
+    Rows sum = W[s] * Rows(lane<width>(gamma[0], 0));
+    for (int x = 1; x < m; ++x) sum += W[x * own + s] * Rows(lane<width>(gamma[x / width], x % width));
+    g[s] = sum * inverse[s];
   }
   for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
     const Attachment& a = factors.plan().attachments[at];
-    const int columns = fixed ? fixed : a.rows;
-    const S* const T = factors.block(a.block);
-    for (int y = 0; y < columns; ++y) {
-      S sum = gamma_[a.row + y];
-      for (int r = 0; r < m; ++r) sum -= T[r * columns + y] * g[r];
-      gamma_[a.row + y] = sum;
+    const int strips = count<width>(a.strips);
+    const Rows* const T = factors.block(a.block);
+    for (int y = 0; y < strips; ++y) {
+      Rows sum = gamma_[a.strip + y];
+      for (int r = 0; r < m; ++r) sum -= T[r * strips + y] * Rows(lane<width>(g[r / width], r % width));
+      gamma_[a.strip + y] = sum;
     }
   }
-  if (step.body >= 0)
-    for (int r = 0; r < m; ++r) load_[step.body] -= factors.columns(step.first_column)[r] * g[r];
-  for (int r = 0; r < m; ++r) gamma[r] = g[r];
+  for (int s = 0; s < own; ++s) {
+    if (step.body >= 0) load_[step.body] -= sum_of_lanes<width>(factors.columns(step.first_column)[s] * g[s]);
+    gamma[s] = g[s];
+  }
 }
 
 /// `a`: â of the bodies that came back already, or its correction.
-template <class S>
-template <int fixed>
-void LoopSubstitution<S>::backward_closure(const LoopFactors<S>& factors, const ClosureStep& step,
-                                           const std::vector<Motion<S>>& a) {
-  const int m = fixed ? fixed : step.rows;
-  const S* const W = factors.weights(step);
-  const S* const inverse = factors.inverse(step);
-  S z[6];
-  for (int r = 0; r < m; ++r) z[r] = step.body < 0 ? S(0.0) : dot(a[step.body], factors.columns(step.first_column)[r]);
+template <class S, int width>
+void LoopSubstitution<S, width>::backward_closure(const LoopFactors<S, width>& factors, const ClosureStep& step,
+                                                  const std::vector<Motion<S>>& a) {
+  const int own = count<width>(step.strips), m = own * width;
+  const Rows* const W = factors.weights(step);
+  const Rows* const inverse = factors.inverse(step);
+  Rows z[most_strips<width>];
+  for (int s = 0; s < own; ++s)
+    z[s] = step.body < 0 ? Rows(0.0) : dot(in_every_lane<Rows>(a[step.body]), factors.columns(step.first_column)[s]);
   for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
     const Attachment& d = factors.plan().attachments[at];
-    const int columns = fixed ? fixed : d.rows;
-    const S* const T = factors.block(d.block);
-    for (int r = 0; r < m; ++r)
-      for (int y = 0; y < columns; ++y) z[r] += T[r * columns + y] * lambda_[d.row + y];
+    const int strips = count<width>(d.strips);
+    const Rows* const T = factors.block(d.block);
+    for (int s = 0; s < own; ++s) {
+      Rows through(0.0);
+      for (int k = 0; k < width; ++k) {
+        S sum(0.0);
+        for (int y = 0; y < strips; ++y)
+          sum += sum_of_lanes<width>(T[(s * width + k) * strips + y] * lambda_[d.strip + y]);
+        set_lane<width>(through, k, sum);
+      }
+      z[s] += through;
+    }
   }
-  for (int r = 0; r < m; ++r) z[r] = gamma_[step.row + r] + inverse[r] * z[r];
-  for (int x = 0; x < m; ++x) {
-    S sum = W[x] * z[0];
-    for (int r = 1; r < m; ++r) sum += W[r * m + x] * z[r];
-    lambda_[step.row + x] = -sum;
+  for (int s = 0; s < own; ++s) z[s] = gamma_[step.strip + s] + inverse[s] * z[s];
+  for (int s = 0; s < own; ++s) {
+    Rows sum = W[s] * Rows(lane<width>(z[0], 0));
+    for (int r = 1; r < m; ++r) sum += W[r * own + s] * Rows(lane<width>(z[r / width], r % width));
+    lambda_[step.strip + s] = -sum;
   }
 }
 
-template class LoopSubstitution<double>;
-template class LoopSubstitution<long double>;
-template class LoopSubstitution<Count>;
+template class LoopSubstitution<double, 1>;
+template class LoopSubstitution<double, 3>;
+template class LoopSubstitution<double, 6>;
+template class LoopSubstitution<long double, 1>;
+template class LoopSubstitution<Count, 1>;
 
 }  // namespace lanc

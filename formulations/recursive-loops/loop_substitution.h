@@ -18,13 +18,15 @@ namespace lanc {
 /// the residual of eq. 14 at η̇, λ, the â that follow by (8), and f̂ = 0, which is f̂^tc − M â + G_sᵀ λ of the bodies,
 /// τ − A η̇ + G_ηᵀ λ of the joints and G_s â + G_η η̇ + γ̿ of the closures. It returns corrections, and f̂ itself.
 /// ā^rel is taken off f* where it arises, as in `recursive`.
-template <class S>
+template <class S, int width>
 class LoopSubstitution {
  public:
+  using Rows = Strip<S, width>;
+
   explicit LoopSubstitution(const Model& model);
 
   /// λ of dropped rows is zero, their conditions are not looked at.
-  void solve(const LoopFactors<S>& factors, const System<S>& system, const RightHandSide<S>& rhs,
+  void solve(const LoopFactors<S, width>& factors, const System<S>& system, const RightHandSide<S>& rhs,
              Solution<S>& solution);
 
  private:
@@ -32,30 +34,28 @@ class LoopSubstitution {
   struct Task;  // what the steps of one solve share
 
   template <Pass pass>
-  void sweep(const Task& task);
-  template <Pass pass, int fixed>
   void forward(const Task& task);
-  template <Pass pass, int fixed>
+  template <Pass pass>
   void backward(const Task& task);
   void residual_of_closures(const Task& task);
-  template <Pass pass, int fixed>
+  template <Pass pass>
   void forward_body(const Task& task, const BodyStep& step);
-  template <Pass pass, int fixed>
+  template <Pass pass>
   void backward_body(const Task& task, const BodyStep& step);
-  template <int fixed>
-  void forward_closure(const LoopFactors<S>& factors, const ClosureStep& step);
-  template <int fixed>
-  void backward_closure(const LoopFactors<S>& factors, const ClosureStep& step, const std::vector<Motion<S>>& a);
+  void forward_closure(const LoopFactors<S, width>& factors, const ClosureStep& step);
+  void backward_closure(const LoopFactors<S, width>& factors, const ClosureStep& step, const std::vector<Motion<S>>& a);
 
   std::vector<Wrench<S>> load_;   // f*, then f* − M* ā^rel
   std::vector<S> start_;          // t / N
-  std::vector<S> gamma_;          // γ, then g
-  std::vector<S> lambda_;         // of the present pass
+  std::vector<Rows> gamma_;       // γ, then g
+  std::vector<Rows> lambda_;      // of the present pass
   std::vector<Motion<S>> delta_;  // corrections of â
 };
 
-extern template class LoopSubstitution<double>;
-extern template class LoopSubstitution<long double>;
-extern template class LoopSubstitution<Count>;
+extern template class LoopSubstitution<double, 1>;
+extern template class LoopSubstitution<double, 3>;
+extern template class LoopSubstitution<double, 6>;
+extern template class LoopSubstitution<long double, 1>;
+extern template class LoopSubstitution<Count, 1>;
 
 }  // namespace lanc

@@ -1,6 +1,6 @@
 #include <memory>
 
-#include "formulations/recursive-loops/loop_substitution.h"
+#include "formulations/recursive-loops/loop_elimination.h"
 #include "formulations/recursive-loops/quasi_definite.h"
 #include "lib/formulation/formulation.h"
 
@@ -19,10 +19,10 @@ constexpr double per_unknown = 500, per_operation = 2;
 template <class S>
 class RecursiveLoops final : public Formulation<S> {
  public:
-  explicit RecursiveLoops(const Model& model) : Formulation<S>(model), substitution_(model) {
-    EliminationPlan plan(model, EliminationRule::path, most_operations(model));
+  explicit RecursiveLoops(const Model& model) : Formulation<S>(model) {
+    EliminationPlan plan = plan_for<S>(model, EliminationRule::path, most_operations(model));
     const double operations = plan.operations;
-    if (operations <= most_operations(model)) by_path_ = std::make_unique<LoopFactors<S>>(model, std::move(plan));
+    if (operations <= most_operations(model)) by_path_ = make_loop_elimination<S>(model, std::move(plan));
     if constexpr (std::is_same_v<S, double>) {
       if (!may_be_sparse(model) || operations <= per_unknown * unknowns(model)) return;
       sparse_ = std::make_unique<QuasiDefinite>(model);
@@ -64,7 +64,7 @@ class RecursiveLoops final : public Formulation<S> {
   }
 
   void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override {
-    if (present_) return substitution_.solve(*present_, system, rhs, solution);
+    if (present_) return present_->solve(system, rhs, solution);
     if constexpr (std::is_same_v<S, double>) sparse_->substitute(system, rhs, solution);
   }
 
@@ -90,8 +90,8 @@ class RecursiveLoops final : public Formulation<S> {
     constexpr std::size_t most = 200;  // every body meets every closure
     if (set.closures.size() + set.couplers.size() > most) return false;
     if (!bodies_first_)
-      bodies_first_ = std::make_unique<LoopFactors<S>>(this->model(),
-                                                       EliminationPlan(this->model(), EliminationRule::bodies_first));
+      bodies_first_ =
+          make_loop_elimination<S>(this->model(), plan_for<S>(this->model(), EliminationRule::bodies_first));
     present_ = bodies_first_.get();
     return present_->factorise(system, independent);
   }
@@ -108,11 +108,10 @@ class RecursiveLoops final : public Formulation<S> {
     return may_be_sparse(model) ? hopeless * per_unknown * unknowns(model) : most;
   }
 
-  std::unique_ptr<LoopFactors<S>> by_path_;
-  std::unique_ptr<LoopFactors<S>> bodies_first_;  // made when needed
+  std::unique_ptr<LoopElimination<S>> by_path_;
+  std::unique_ptr<LoopElimination<S>> bodies_first_;  // made when needed
   std::unique_ptr<QuasiDefinite> sparse_;
-  LoopFactors<S>* present_ = nullptr;  // of the last factorisation; null: sparse_
-  LoopSubstitution<S> substitution_;
+  LoopElimination<S>* present_ = nullptr;  // of the last factorisation; null: sparse_
 };
 
 const Registration registration(

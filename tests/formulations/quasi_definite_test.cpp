@@ -1,7 +1,7 @@
 // The sparse matrix that recursive-loops takes where leaf first fills.
 #include <gtest/gtest.h>
 
-#include "formulations/recursive-loops/loop_substitution.h"
+#include "formulations/recursive-loops/loop_elimination.h"
 #include "formulations/recursive-loops/quasi_definite.h"
 #include "lib/closure/rank.h"
 #include "lib/system/evaluator.h"
@@ -30,10 +30,10 @@ TEST(QuasiDefinite, agrees_with_the_block_elimination_after_few_steps) {
     Solution<double> solution(c.model);
     sparse.substitute(system, rhs, solution);
     EXPECT_LE(sparse.steps(), 6) << c.name;
-    LoopFactors<double> factors(c.model, EliminationPlan(c.model));
-    ASSERT_TRUE(factors.factorise(system)) << c.name;
+    const auto elimination = make_loop_elimination<double>(c.model);
+    ASSERT_TRUE(elimination->factorise(system)) << c.name;
     Solution<double> expected(c.model);
-    LoopSubstitution<double>(c.model).solve(factors, system, rhs, expected);
+    elimination->solve(system, rhs, expected);
     EXPECT_TRUE(within_relative(c.name, difference(c.model, solution, expected).vdot, 1e-10,
                                 norms(c.model, expected).acceleration));
     ++compared;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formulations/recursive-loops/loop_substitution.h"
+#include "formulations/recursive-loops/loop_elimination.h"
 #include "lib/formulation/formulation.h"
 #include "lib/io/mechanism.h"
 #include "lib/report/phases.h"
@@ -69,13 +69,12 @@ TEST(RecursiveLoops, long_ladders_accelerate_as_their_closed_form_says) {
     const Mechanism m = load_mechanism(fmt::format("four-bar-ladder:{}:cut={}", n, cut));
     const double exact = 9.81 * ((n + 1) / 2.0 + n) * std::sin(0.7) / ((n + 1) / 3.0 + n);
     Evaluator<double> evaluator(m.model);
-    LoopFactors<double> factors(m.model, EliminationPlan(m.model));
-    LoopSubstitution<double> substitution(m.model);
+    const auto elimination = make_loop_elimination<double>(m.model);
     Solution<double> solution(m.model);
     const System<double>& system = evaluator.system(m.state);
-    ASSERT_TRUE(factors.factorise(system));
-    EXPECT_EQ(factors.dropped(), (std::string(cut) == "point" ? 1 : 3) * n);
-    substitution.solve(factors, system, system.rhs, solution);
+    ASSERT_TRUE(elimination->factorise(system));
+    EXPECT_EQ(elimination->dropped(), (std::string(cut) == "point" ? 1 : 3) * n);
+    elimination->solve(system, system.rhs, solution);
     EXPECT_NEAR(solution.vdot[0], exact, 1e-12 * exact) << cut;
   }
 }
@@ -84,16 +83,16 @@ TEST(RecursiveLoops, refinement_restores_the_digits_that_loops_in_series_lose) {
   const Mechanism m = load_mechanism("four-bar-chain:300");
   Evaluator<long double> wide(m.model);
   Solution<long double> exact(m.model);
-  LoopFactors<long double> wide_factors(m.model, EliminationPlan(m.model));
+  const auto wide_elimination = make_loop_elimination<long double>(m.model);
   const System<long double>& wide_system = wide.system(cast<long double>(m.state));
-  ASSERT_TRUE(wide_factors.factorise(wide_system));
-  LoopSubstitution<long double>(m.model).solve(wide_factors, wide_system, wide_system.rhs, exact);
+  ASSERT_TRUE(wide_elimination->factorise(wide_system));
+  wide_elimination->solve(wide_system, wide_system.rhs, exact);
   Evaluator<double> evaluator(m.model);
   Solution<double> solution(m.model);
-  LoopFactors<double> factors(m.model, EliminationPlan(m.model));
+  const auto elimination = make_loop_elimination<double>(m.model);
   const System<double>& system = evaluator.system(m.state);
-  ASSERT_TRUE(factors.factorise(system));
-  LoopSubstitution<double>(m.model).solve(factors, system, system.rhs, solution);
+  ASSERT_TRUE(elimination->factorise(system));
+  elimination->solve(system, system.rhs, solution);
   // kinematics in double alone cost 2e-12; without refinement it is 2e-10
   EXPECT_TRUE(within_relative("chain of 300 loops", difference(m.model, solution, exact).vdot, 1e-11,
                               norms(m.model, solution).vdot));
@@ -114,10 +113,34 @@ TEST(RecursiveLoops, pivots_drop_as_many_rows_as_singular_values_find_dependent)
     ClosureRank<double> rank(c.model);
     const ClosureDecision& decision = rank.decide(system);
     if (decision.sigma < 1e-4) continue;  // pivots are σ²
-    LoopFactors<double> factors(c.model, EliminationPlan(c.model));
-    ASSERT_TRUE(factors.factorise(system)) << c.name;
-    EXPECT_EQ(factors.dropped(), decision.redundant) << c.name;
+    const auto elimination = make_loop_elimination<double>(c.model);
+    ASSERT_TRUE(elimination->factorise(system)) << c.name;
+    EXPECT_EQ(elimination->dropped(), decision.redundant) << c.name;
   }
+}
+
+TEST(RecursiveLoops, rows_of_a_closure_side_by_side_give_what_rows_one_by_one_give) {
+  int strips = 0;
+  for (const char* name : {"four-bar-ladder:7", "four-bar-ladder:7:cut=weld", "four-bar-chain:5",
+                           "four-bar-chain:5:cut=weld", "four-bar-nest:4", "polygon:6:cut=weld"}) {
+    const Mechanism m = load_mechanism(name);
+    Evaluator<double> evaluator(m.model);
+    const System<double>& system = evaluator.system(m.state);
+    const auto beside = make_loop_elimination<double>(m.model);
+    const auto one_by_one = make_loop_elimination<double>(m.model, EliminationPlan(m.model));
+    strips += plan_for<double>(m.model).width > 1;
+    Solution<double> a(m.model), b(m.model);
+    ASSERT_TRUE(beside->factorise(system)) << name;
+    ASSERT_TRUE(one_by_one->factorise(system)) << name;
+    EXPECT_EQ(beside->dropped(), one_by_one->dropped()) << name;
+    for (int k = 0; k < 2; ++k) {  // nothing of the first is left in the second
+      beside->solve(system, system.rhs, a);
+      one_by_one->solve(system, system.rhs, b);
+      ASSERT_TRUE(beside->factorise(system)) << name;
+    }
+    EXPECT_TRUE(within_relative(name, difference(m.model, a, b).worst(), 1e-11, norms(m.model, b).worst()));
+  }
+  EXPECT_EQ(strips, 6);
 }
 
 /// From a body to the root.
@@ -144,7 +167,7 @@ TEST(EliminationPlan, lets_a_closure_go_when_its_loop_hangs_on_one_body) {
       if (plan.order[at] >= 0) continue;
       const ClosureStep& step = plan.closures[-1 - plan.order[at]];
       for (const Closure& closure : model.closures().closures) {
-        if (closure.row != step.row) continue;
+        if (closure.row != step.strip) continue;
         const std::vector<int> a = path(model, closure.body_a), b = path(model, closure.body_b);
         for (const int body : a)
           if (std::find(b.begin(), b.end(), body) == b.end()) EXPECT_LT(gone[body], at) << model.name();
@@ -168,7 +191,7 @@ TEST(EliminationPlan, lets_a_coupler_go_after_the_bodies_whose_velocities_it_act
         continue;
       }
       for (const Coupler& coupler : c.model.closures().couplers) {
-        if (coupler.row != plan.closures[-1 - at].row) continue;
+        if (coupler.row != plan.closures[-1 - at].strip) continue;
         for (const Coupler::Term& term : coupler.terms) EXPECT_TRUE(gone[c.model.body_of_velocity(term.v)]) << c.name;
         ++seen;
       }
@@ -179,7 +202,7 @@ TEST(EliminationPlan, lets_a_coupler_go_after_the_bodies_whose_velocities_it_act
 
 TEST(EliminationPlan, gives_up_beyond_the_limit) {
   const Model model = long_chain_tied_to_ground(60).model;
-  EXPECT_TRUE(std::isinf(EliminationPlan(model, EliminationRule::path, 1e4).operations));
+  EXPECT_TRUE(std::isinf(EliminationPlan(model, 1, EliminationRule::path, 1e4).operations));
   EXPECT_LT(EliminationPlan(model).operations, 1e9);
 }
 
@@ -187,13 +210,12 @@ TEST(RecursiveLoops, closures_after_all_bodies_give_the_same_answer) {
   for (const Case& c : closed_loops()) {
     Evaluator<double> evaluator(c.model);
     const System<double>& system = evaluator.system(c.state, c.loads);
-    LoopSubstitution<double> substitution(c.model);
     Solution<double> a(c.model), b(c.model);
     for (Solution<double>* solution : {&a, &b}) {
       const EliminationRule rule = solution == &a ? EliminationRule::path : EliminationRule::bodies_first;
-      LoopFactors<double> factors(c.model, EliminationPlan(c.model, rule));
-      ASSERT_TRUE(factors.factorise(system)) << c.name;
-      substitution.solve(factors, system, system.rhs, *solution);
+      const auto elimination = make_loop_elimination<double>(c.model, plan_for<double>(c.model, rule));
+      ASSERT_TRUE(elimination->factorise(system)) << c.name;
+      elimination->solve(system, system.rhs, *solution);
     }
     EXPECT_TRUE(within_relative(c.name, difference(c.model, a, b).vdot, 1e-11, norms(c.model, a).vdot));
   }
