@@ -133,12 +133,12 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
     }
     if ((i + 1) / width > weighed + behind) weigh(weighed++);
   }
-  while (weighed < blocks_of<S>(model.bodies())) weigh(weighed++);
   if (loads.tau.empty())
     std::fill(system_.rhs.tau.begin(), system_.rhs.tau.end(), S(0.0));
   else
     std::copy(loads.tau.begin(), loads.tau.end(), system_.rhs.tau.begin());
   apply_passive(state);
+  while (weighed < blocks_of<S>(model.bodies())) weigh(weighed++);
   if (!model.springs().empty()) apply_springs();
   for (const ConstantWrench& w : model.wrenches()) system_.rhs.force[w.body] += cast<S>(w.wrench);
   for (const auto& w : loads.wrenches) system_.rhs.force[w.body] += w.wrench;
