@@ -1,6 +1,7 @@
 #include "formulations/recursive-loops/elimination_plan.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "formulations/recursive-loops/quotient_graph.h"
@@ -228,6 +229,8 @@ void Planner::write_closure(int c) {
 
 EliminationPlan::EliminationPlan(const Model& model, int strip_width, EliminationRule rule, double most_operations)
     : width(strip_width) {
+  if (width != 1 && width != rows_each(model))
+    throw std::logic_error("a strip of several rows must be a whole closure");
   Planner(model, rule, *this).run(most_operations);
 }
 

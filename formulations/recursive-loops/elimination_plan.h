@@ -96,7 +96,7 @@ struct EliminationPlan {
   int most_responses = 0;                                     // of one step
   double operations = 0;  // about, of one factorisation; infinite when the limit was passed, and there is no plan
 
-  /// `width` must divide the rows of every closure.
+  /// `width`: 1, or rows_each(model), else std::logic_error.
   explicit EliminationPlan(const Model& model, int width = 1, EliminationRule rule = EliminationRule::path,
                            double most_operations = std::numeric_limits<double>::infinity());
 };

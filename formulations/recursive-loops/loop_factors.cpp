@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "formulations/recursive-loops/free_delassus.h"
@@ -30,6 +31,7 @@ LoopFactors<S, width>::LoopFactors(const Model& model, EliminationPlan plan)
       weight_columns_(plan_.weights),
       inverse_(model.closures().rows() / width),
       taken_(model.closures().rows() / width) {
+  if (plan_.width != width) throw std::logic_error("a plan in strips of another width");
   for (int k = 0; k < model.nv(); ++k) kinds_.push_back(model.column_kind(k));
 }
 

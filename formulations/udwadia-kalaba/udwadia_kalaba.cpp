@@ -42,7 +42,7 @@ Outcome UdwadiaKalaba<S>::factorise_closed(const System<S>&) {
   const auto r = static_cast<Eigen::Index>(this->independent_rows().size());
   Bt_ = solve_lower<S>(L_, this->independent_jacobian().transpose());
   qr_.compute(Bt_);
-  Q1_ = qr_.Q().leftCols(r);
+  Q1_ = qr_.Q(r);
   R_ = qr_.R(r);
   return {};
 }

@@ -181,15 +181,23 @@ struct ClosureRank<S>::Work {
     constexpr int trials = 3;
     for (int trial = 0; trial < trials && !decision.varying_rank; ++trial)
       decision.varying_rank = leaves_range((*curvature)(state, kernel_direction(trial)));
-    if (!decision.varying_rank) constant_rank = decision.rank;
+    // off the manifold redundant rows are independent, which says nothing about states on it
+    const bool assembled = std::max(decision.position_violation, decision.velocity_violation) <= largest_violation;
+    if (!decision.varying_rank && assembled) constant_rank = decision.rank;
   }
 
-  /// Some direction in the kernel of G, its largest component 1.
+  /// Some direction in the kernel of G, its largest component 1; zero where there is no kernel, since what projection
+  /// leaves there is a rounding error, and the rank cannot grow.
   std::vector<double> kernel_direction(int trial) const {
     Eigen::VectorXd xi(model.nv());
     for (int k = 0; k < model.nv(); ++k) xi[k] = std::sin(1.0 + 0.7 * k * k + 2.3 * trial * (k + 1));  // any will do
-    for (const Block& block : blocks)
-      xi(block.part.columns) = block.space->in_kernel(Eigen::VectorXd(xi(block.part.columns)));
+    for (const Block& block : blocks) {
+      const std::vector<int>& columns = block.part.columns;
+      if (block.space->rank() == static_cast<int>(columns.size()))
+        xi(columns).setZero();
+      else
+        xi(columns) = block.space->in_kernel(Eigen::VectorXd(xi(columns)));
+    }
     if (const double largest = xi.lpNorm<Eigen::Infinity>(); largest > 0) xi /= largest;
     std::vector<double> v(model.nv());
     for (int k = 0; k < model.nv(); ++k) v[k] = xi[k] * scaling.column[k];

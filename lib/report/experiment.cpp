@@ -165,6 +165,8 @@ int Experiment::run(int argc, const char* const* argv, const std::function<void(
     body(*this);
     s.progress->clear();
     s.report->finish();
+  } catch (const InputError& error) {
+    return fail(error, bad_options);
   } catch (const std::exception& error) {
     return fail(error, 1);
   }

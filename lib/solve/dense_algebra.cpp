@@ -157,6 +157,13 @@ DenseMatrix<S> Qr<S>::Q() const {
 }
 
 template <class S>
+DenseMatrix<S> Qr<S>::Q(Eigen::Index r) const {
+  DenseMatrix<S> Q = DenseMatrix<S>::Identity(qr_.rows(), r);
+  Q.applyOnTheLeft(qr_.householderQ());
+  return Q;
+}
+
+template <class S>
 DenseMatrix<S> Qr<S>::R(Eigen::Index r) const {
   return qr_.matrixQR().topRows(r).template triangularView<Eigen::Upper>();
 }

@@ -102,6 +102,8 @@ class Qr {
  public:
   void compute(const DenseMatrix<S>& A);
   DenseMatrix<S> Q() const;
+  /// Its first r columns.
+  DenseMatrix<S> Q(Eigen::Index r) const;
   /// The first r rows of R, square.
   DenseMatrix<S> R(Eigen::Index r) const;
   DenseVector<S> times_Q(const DenseVector<S>& x) const;

@@ -37,6 +37,10 @@ TEST(Experiments, RefuseValuesThatMeanNothing) {
     EXPECT_NE(r.error.find(message), std::string::npos) << "expected: " << message << "\ngot: " << r.error;
   }
   EXPECT_EQ(run("scaling", {"--list-models", "--seed", "18446744073709551615"}).exit_code, 0);
+  const Finished r =
+      run("work-precision", {"--quiet", "--out", "-", "--problems", "x"});  // seen by the experiment itself
+  EXPECT_EQ(r.exit_code, 2) << r.error;
+  EXPECT_NE(r.error.find("--problems 'x' matches nothing"), std::string::npos) << r.error;
 }
 
 /// Machines differ, so that its work is bounded and not its time: small systems, and a forecast for each that is left

@@ -143,6 +143,12 @@ TEST(RecursiveLoops, rows_of_a_closure_side_by_side_give_what_rows_one_by_one_gi
   EXPECT_EQ(strips, 6);
 }
 
+TEST(EliminationPlan, refuses_strips_that_are_no_closures) {
+  const Model model = load_mechanism("four-bar-ladder:3:cut=weld").model;
+  EXPECT_THROW(EliminationPlan(model, 3), std::logic_error);
+  EXPECT_THROW(make_loop_elimination<long double>(model, EliminationPlan(model, 6)), std::logic_error);
+}
+
 /// From a body to the root.
 std::vector<int> path(const Model& model, int body) {
   std::vector<int> result;

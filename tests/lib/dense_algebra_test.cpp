@@ -144,6 +144,7 @@ TYPED_TEST(DenseAlgebra, QrIsOrthogonalTimesTriangular) {
     const DenseMatrix<TypeParam> Q = qr.Q(), first = Q.leftCols(r);
     this->expect_equal(this->times(Q, this->transposed(Q)), DenseMatrix<TypeParam>::Identity(n, n));
     this->expect_equal(this->times(first, qr.R(r)), A);
+    this->expect_equal(qr.Q(r), first);
     this->expect_equal(qr.times_Q(x), this->times(Q, x));
 
     const auto B = this->transposed(A);  // more columns than rows: only the first r count
