@@ -2,7 +2,6 @@
 import argparse
 import csv
 import pathlib
-import re
 
 import matplotlib
 
@@ -44,9 +43,7 @@ def styles(names):
 
 
 def save(fig, out):
-    """As SVG and PDF, the same bytes every time. A hundredth of a point is exact enough for SVGs."""
+    """As SVG and PDF, the same bytes every time."""
     for suffix, date in ((".svg", "Date"), (".pdf", "CreationDate")):
         fig.savefig(out.with_name(out.name + suffix), metadata={date: None})
-    svg = out.with_name(out.name + ".svg")
-    svg.write_text(re.sub(r"(\d\.\d\d)\d+", r"\1", svg.read_text(encoding="utf-8")), encoding="utf-8")
     plt.close(fig)
