@@ -12,7 +12,7 @@ constexpr double same_answer = 1e-8;   // of the largest value: far above roundi
 constexpr double same_if_soft = 1e-2;  // where closure conditions are penalties
 
 /// Largest difference, relative to the largest expected value; infinite where sizes differ or something is not finite.
-/// Tested by tests/report/peers_test.cpp.
+/// Tested by tests/peers/peers_test.cpp.
 inline double difference(const std::vector<double>& found, const std::vector<double>& expected) {
   constexpr double none = std::numeric_limits<double>::infinity();
   if (found.size() != expected.size()) return none;

@@ -16,7 +16,7 @@
 namespace lanc::test {
 namespace {
 
-std::vector<Case> cases(const Features& features = {}) {
+std::vector<Case> random_cases(const Features& features = {}) {
   std::vector<Case> result;
   for (int seed = 0; seed < 25; ++seed) result.push_back(random_case(5100 + seed, 1 + seed, features));
   return result;
@@ -90,7 +90,7 @@ void check_renumbering(const Case& c, const ModelSpec& spec) {
 }
 
 TEST(Invariance, the_order_of_siblings_changes_nothing) {
-  for (const Case& c : cases()) {
+  for (const Case& c : random_cases()) {
     ModelSpec reversed = c.model.spec();
     std::reverse(reversed.bodies.begin(), reversed.bodies.end());
     check_renumbering(c, reversed);
@@ -110,7 +110,7 @@ Vec3<double> turned(const Eigen::Matrix3d& R, const Vec3<double>& a) {
 
 TEST(Invariance, a_rigid_motion_of_the_world_turns_accelerations_and_wrenches_and_leaves_the_rest) {
   Random random(17);
-  for (const Case& c : cases()) {
+  for (const Case& c : random_cases()) {
     const Eigen::Matrix3d R = random.rotation();
     const Eigen::Vector3d shift = random.vector(3);
     ModelSpec spec = c.model.spec();
@@ -219,7 +219,7 @@ Case scaled(const Units& u, const Case& c) {
 TEST(Invariance, units_of_mass_length_and_time_scale_every_result_by_its_dimension) {
   const Units all_units[] = {{1024, 1, 1}, {1, 1000, 1}, {1, 1, 64}, {1e-3, 1e3, 1}, {0.3, 7, 11}};
   for (const Units& u : all_units)
-    for (const Case& c : cases()) {
+    for (const Case& c : random_cases()) {
       const Case changed = scaled(u, c);
       const std::string law =
           "units " + std::to_string(u.mass) + " " + std::to_string(u.length) + " " + std::to_string(u.time);
@@ -238,7 +238,7 @@ TEST(Invariance, units_of_mass_length_and_time_scale_every_result_by_its_dimensi
 TEST(Invariance, without_dissipation_the_reversed_motion_has_the_same_accelerations_and_wrenches) {
   Features features;
   features.dissipation = features.prescribed = false;
-  for (const Case& c : cases(features)) {
+  for (const Case& c : random_cases(features)) {
     Case changed = c;
     for (double& v : changed.state.v) v = -v;
     expect_law("time reversal", c, changed, [](const Solution<double>& s) { return s; });

@@ -26,7 +26,7 @@ namespace {
 
 constexpr int trees = 1000;
 constexpr int largest_tree = 60;
-constexpr double required = 1e-9;
+constexpr double required_on_trees = 1e-9;
 
 /// In how many trees each feature occurs.
 class Histogram {
@@ -85,7 +85,7 @@ Norms norms_or_loads(const System<long double>& system, const Solution<long doub
           pick(own.drive, loads.drive)};
 }
 
-struct Score {
+struct TreeScore {
   int possible = 0, solved = 0;
   Norms worst;
   std::string worst_tree;
@@ -93,7 +93,7 @@ struct Score {
 
 TEST(RandomTrees, all_formulations_without_objection_agree_on_1000_random_trees_to_1e_9) {
   Histogram histogram;
-  std::map<std::string, Score> scores;
+  std::map<std::string, TreeScore> scores;
   double worst_oracle = 0;
   for (int tree = 0; tree < cases(trees); ++tree) {
     const Case c = random_case(1000 + tree, 1 + tree % largest_tree);
@@ -108,7 +108,7 @@ TEST(RandomTrees, all_formulations_without_objection_agree_on_1000_random_trees_
     Evaluator<double> evaluator(c.model);
     const System<double>& system = evaluator.system(c.state, c.loads);
     for (const FormulationInfo& info : formulations()) {
-      Score& score = scores[std::string(info.name)];
+      TreeScore& score = scores[std::string(info.name)];
       if (!info.create_double || info.objection(c.model)) continue;
       ++score.possible;
       const auto formulation = info.create_double(c.model);
@@ -126,7 +126,7 @@ TEST(RandomTrees, all_formulations_without_objection_agree_on_1000_random_trees_
       score.worst.acceleration = std::max(score.worst.acceleration, e.acceleration);
       score.worst.wrench = std::max(score.worst.wrench, e.wrench);
       score.worst.drive = std::max(score.worst.drive, e.drive);
-      EXPECT_TRUE(within_relative(std::string(info.name) + " on " + c.name, e.worst(), required, 1));
+      EXPECT_TRUE(within_relative(std::string(info.name) + " on " + c.name, e.worst(), required_on_trees, 1));
     }
   }
   if (cases(trees) == trees) {
@@ -134,11 +134,11 @@ TEST(RandomTrees, all_formulations_without_objection_agree_on_1000_random_trees_
     histogram.print_and_check();
   }
   std::printf("the two oracles differ by at most %.1e\n", worst_oracle);
-  EXPECT_LT(worst_oracle, 1e-3 * required);
+  EXPECT_LT(worst_oracle, 1e-3 * required_on_trees);
   std::printf("%-16s %8s %8s   worst relative error of vdot, acceleration, wrench, drive force\n", "formulation",
               "solved", "possible");
   for (const auto& entry : scores) {
-    const Score& s = entry.second;
+    const TreeScore& s = entry.second;
     std::printf("%-16s %8d %8d   %.1e %.1e %.1e %.1e (%s)\n", entry.first.c_str(), s.solved, s.possible, s.worst.vdot,
                 s.worst.acceleration, s.worst.wrench, s.worst.drive, s.worst_tree.c_str());
   }

@@ -16,7 +16,7 @@ namespace {
 const char* const reduced[] = {"partitioning", "nullspace", "udwadia-kalaba", "augmented", "proximal"};
 
 /// Largest difference of η̇ and â, relative to the largest acceleration; angles count with the model's length.
-double difference(const Model& model, const Solution<double>& a, const Solution<double>& b) {
+double difference_of_motions(const Model& model, const Solution<double>& a, const Solution<double>& b) {
   double largest = 0, size = 0;
   const auto add = [&](double x, double y, double unit) {
     largest = std::max(largest, std::abs(x - y) * unit), size = std::max(size, std::abs(y) * unit);
@@ -64,7 +64,7 @@ TEST(Constrained, all_formulations_agree_on_four_bars_and_with_the_closed_form) 
       if (!info.create_double || info.objection(m.model)) continue;
       const Outcome outcome = info.create_double(m.model)->solve(system, solution);
       EXPECT_EQ(outcome.status, Status::redundant) << info.name << " on " << name << ": " << outcome.message;
-      EXPECT_LT(difference(m.model, solution, reference), 1e-12) << info.name << " on " << name;
+      EXPECT_LT(difference_of_motions(m.model, solution, reference), 1e-12) << info.name << " on " << name;
       EXPECT_LT(reaction_difference(solution, reference), 1e-12) << info.name << " on " << name;
     }
   }
@@ -121,7 +121,7 @@ int expect_agreement_on_random_loops(bool twice) {
       if (!info.create_double || info.objection(c.model)) continue;
       const Outcome outcome = info.create_double(c.model)->solve(system, solution, policy);
       EXPECT_EQ(outcome.status, expected.status) << info.name << " on seed " << seed << ": " << outcome.message;
-      EXPECT_LT(difference(c.model, solution, reference), 1e-9) << info.name << " on seed " << seed;
+      EXPECT_LT(difference_of_motions(c.model, solution, reference), 1e-9) << info.name << " on seed " << seed;
       EXPECT_LT(reaction_difference(solution, reference), 1e-9) << info.name << " on seed " << seed;
     }
   }
@@ -155,7 +155,7 @@ TEST(Constrained, iterations_on_contradictory_conditions_end_at_the_least_square
       formulation->assemble(system);
       ASSERT_TRUE(formulation->factorise(system).usable()) << name;
       formulation->substitute(system, system.rhs, solution);  // γ̿ as it is
-      EXPECT_LT(difference(c.model, solution, reference), 1e-8) << name << " on seed " << seed;
+      EXPECT_LT(difference_of_motions(c.model, solution, reference), 1e-8) << name << " on seed " << seed;
       const auto* iterated = dynamic_cast<const RegularisedFormulation<double>*>(formulation.get());
       ASSERT_TRUE(iterated) << name;
       EXPECT_LE(iterated->steps(), 6) << name << " on seed " << seed;
@@ -220,7 +220,7 @@ TEST(Constrained, partitioning_changes_s_where_its_Gd_goes_singular_keeps_it_oth
     EXPECT_EQ(dense->solve(system, reference).status, Status::solved);
     const Outcome outcome = partitioning.solve(system, solution);
     EXPECT_EQ(outcome.status, Status::solved) << "rod at " << rod << ": " << outcome.message;
-    EXPECT_LT(difference(m.model, solution, reference), 1e-12) << "rod at " << rod;
+    EXPECT_LT(difference_of_motions(m.model, solution, reference), 1e-12) << "rod at " << rod;
   };
   solve(0.2, 0);
   EXPECT_EQ(partitioning.independent(), std::vector<int>{1});

@@ -20,12 +20,12 @@ const std::string two_arms =
 std::string closure(const std::string& lines) { return two_arms + "[[closure]]\nname='c'\n" + lines; }  // next: 19
 std::string coupler(const std::string& lines) { return two_arms + "[[coupler]]\nname='c'\n" + lines; }
 
-struct Bad {
+struct BadClosure {
   std::string text, place;
   std::vector<std::string> fragments;
 };
 
-const Bad bad[] = {
+const BadClosure bad[] = {
     {two_arms + "[[closure]]\ntype='revolute'\nbody_b='b'\n", "17:1", {"a closure", "name is missing"}},
     {closure("body_b='b'\n"), "17:1", {"closure 'c'", "type is missing"}},
     {closure("type='revolut'\nbody_b='b'\n"), "19:6", {"closure 'c'", "'revolut'", "did you mean 'revolute'?"}},
@@ -71,7 +71,7 @@ std::string robot(const std::string& type, const std::string& inside) {
          type + "'>\n<parent link='a'/>\n<child link='b'/>\n" + inside + "\n</joint>\n</robot>";
 }
 
-const Bad bad_mimics[] = {
+const BadClosure bad_mimics[] = {
     {robot("continuous", "<mimic joint='x'/>"), "9", {"joint 'j'", "mimics 'x'", "no such joint"}},
     {robot("continuous", "<mimic joint='j'/>"), "9", {"joint 'j'", "mimics itself"}},
     {robot("continuous", "<mimic multiplier='2'/>"), "9", {"joint is missing"}},
@@ -82,8 +82,8 @@ const Bad bad_mimics[] = {
 };
 
 template <class Load, std::size_t count>
-void expect_refused(const Bad (&list)[count], Load load) {
-  for (const Bad& b : list) {
+void expect_refused(const BadClosure (&list)[count], Load load) {
+  for (const BadClosure& b : list) {
     SCOPED_TRACE(b.text);
     try {
       load(b.text, "model");
@@ -140,16 +140,16 @@ TEST(TomlClosures, name_coordinates_of_joints_with_dots_in_their_names) {
   EXPECT_EQ(m.model.closures().couplers.at(0).offset, 1);
 }
 
-struct Verdict {
+struct Closing {
   ClosureDecision decision;
   double g = 0, rate = 0;
 };
 
-Verdict verdict(const Mechanism& m) {
+Closing closing_of(const Mechanism& m) {
   Evaluator<double> evaluator(m.model);
   const System<double>& system = evaluator.system(m.state);
   ClosureRank<double> rank(m.model);
-  Verdict result{rank.decide(system)};
+  Closing result{rank.decide(system)};
   for (const auto& row : system.closure_rows)
     result.g = std::max(result.g, std::abs(row.g)), result.rate = std::max(result.rate, std::abs(row.rate));
   return result;
@@ -159,7 +159,7 @@ TEST(RandomLoops, come_assembled_with_consistent_velocities) {
   for (int seed = 1; seed <= 40; ++seed) {
     const std::string name = "random-loops:" + std::to_string(1 + seed % 12) + ":seed=" + std::to_string(seed);
     const Mechanism m = load_mechanism(name);
-    const Verdict v = verdict(m);
+    const Closing v = closing_of(m);
     EXPECT_LE(v.g, 5e-14) << name;  // rounding: of 50 bodies, metres apart
     EXPECT_LE(v.rate, 1e-13) << name;
     EXPECT_LE(v.decision.contradiction, 1e-10) << name;
@@ -177,7 +177,7 @@ TEST(RandomLoops, are_redundant_for_the_reason_asked_for) {
     const auto redundant = [&](const std::string& cause, int loops) {
       const Mechanism m = load_mechanism("random-loops:" + std::to_string(loops) + ":redundant=" + cause +
                                          ":seed=" + std::to_string(seed));
-      return verdict(m).decision.redundant;
+      return closing_of(m).decision.redundant;
     };
     EXPECT_EQ(redundant("none", 5), 0) << seed;
     EXPECT_EQ(redundant("parallel", 1), 3) << seed;

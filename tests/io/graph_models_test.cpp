@@ -23,12 +23,12 @@ const std::string jab = joint("jab", "spherical", "body_a='a'\nbody_b='b'\n");  
 const std::string triangle = head + ja + jb + jab;                                  // the next line is 20
 const std::string tree_joint = "[[joint]]\nname='t'\ntype='revolute'\nbody='b'\n";  // 4 lines
 
-struct Bad {
+struct BadGraph {
   std::string text, place;
   std::vector<std::string> fragments;
 };
 
-const Bad bad[] = {
+const BadGraph bad_graphs[] = {
     {head + ja + tree_joint, "11:1", {"joint 'ja'", "joint 't'", "body_a and body_b", "same way"}},
     {head + tree_joint + ja, "11:1", {"joint 't'", "joint 'ja'", "same way"}},
     {head + joint("j", "revolute", "body_a='a'\nparent='b'\n"), "11:1", {"joint 'j'", "'parent'"}},
@@ -87,7 +87,7 @@ const Bad bad[] = {
 };
 
 TEST(MalformedGraphs, are_refused_with_place_thing_and_mend) {
-  for (const Bad& b : bad) {
+  for (const BadGraph& b : bad_graphs) {
     SCOPED_TRACE(b.text);
     try {
       load_toml_text(b.text, "model");

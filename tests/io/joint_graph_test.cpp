@@ -19,12 +19,8 @@ namespace lanc {
 namespace {
 
 using Eigen::Matrix3d, Eigen::Vector3d;
-using test::expect_same_motion, test::motion_of_bodies, test::WorldMotion, test::Random;
-
-Placement operator*(const Placement& outer, const Placement& inner) {
-  return {outer.rotation * inner.rotation, outer.rotation * inner.position + outer.position};
-}
-Placement inverse(const Placement& p) { return {p.rotation.transpose(), -(p.rotation.transpose() * p.position)}; }
+using test::expect_same_motion, test::inverse, test::motion_of_bodies, test::WorldMotion, test::Random;
+using test::operator*;
 
 /// A graph written down in the world, where all coordinates are zero; own axes of the bodies and orientations of the
 /// joints' frames are arbitrary.

@@ -16,12 +16,9 @@ namespace lanc {
 namespace {
 
 using Eigen::Vector3d;
+using test::inverse;
 using test::Random;
-
-Placement operator*(const Placement& outer, const Placement& inner) {
-  return {outer.rotation * inner.rotation, outer.rotation * inner.position + outer.position};
-}
-Placement inverse(const Placement& p) { return {p.rotation.transpose(), -(p.rotation.transpose() * p.position)}; }
+using test::operator*;
 
 int link_on(const Model& model, const std::string& joint) {
   for (int i = 0; i < model.bodies(); ++i)

@@ -11,6 +11,7 @@
 #include "lib/solve/ipopt.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/evaluator.h"
+#include "tests/support/loop_cases.h"
 #include "tests/support/random_model.h"
 
 namespace lanc::test {
@@ -53,19 +54,6 @@ ModelSpec four_bar(double ground_bar = 2.5) {
 Model with_limits(ModelSpec spec, int joint, double lower, double upper) {
   spec.joints[joint].limits = {LimitSpec{lower, upper}};
   return Model::build(spec);
-}
-
-State<double> at(const Model& model, std::vector<double> q) {
-  State<double> state = neutral_state(model);
-  state.q = std::move(q);
-  return state;
-}
-
-double largest_violation_of(const Model& model, const State<double>& state) {
-  Evaluator<double> evaluator(model);
-  double largest = 0;
-  for (const auto& row : evaluator.system(state).closure_rows) largest = std::max(largest, std::abs(row.g));
-  return largest;
 }
 
 /// Lagrange's conditions in velocities: the gradient of the distance is a combination of the rows of G and of the
@@ -126,7 +114,7 @@ TEST(AssemblyWithoutIpopt, names_the_option_that_is_missing) {
   if (has_ipopt()) GTEST_SKIP() << "built with Ipopt";
   const Model model = Model::build(four_bar());
   try {
-    assemble_within_limits(model, at(model, elbow_up));
+    assemble_within_limits(model, at_rest(model, elbow_up));
     FAIL() << "no error";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("-DLANC_WITH_IPOPT=ON"), std::string::npos) << error.what();
@@ -135,7 +123,7 @@ TEST(AssemblyWithoutIpopt, names_the_option_that_is_missing) {
 
 TEST_F(AssemblyWithinLimits, takes_the_other_branch_where_the_nearest_violates_a_limit) {
   const Model model = with_limits(four_bar(), 2, -3, -0.1);  // the rocker hangs
-  const State<double> guess = at(model, elbow_up);
+  const State<double> guess = at_rest(model, elbow_up);
   const AssemblyResult nearest = assemble(model, guess);
   ASSERT_TRUE(nearest.assembled());
   EXPECT_EQ(violated_limits(model, nearest.state.q).size(), 1u);
@@ -151,7 +139,7 @@ TEST_F(AssemblyWithinLimits, takes_the_other_branch_where_the_nearest_violates_a
 
 TEST_F(AssemblyWithinLimits, meets_an_active_limit_exactly) {
   const Model model = with_limits(four_bar(), 0, -0.2, 0.7);  // 0.7 is no binary number
-  const LimitedAssemblyResult result = assemble_within_limits(model, at(model, elbow_up));
+  const LimitedAssemblyResult result = assemble_within_limits(model, at_rest(model, elbow_up));
   ASSERT_TRUE(result.assembled()) << result.message;
   EXPECT_EQ(result.state.q[0], 0.7);
   EXPECT_LE(largest_violation_of(model, result.state), 1e-14);
@@ -187,7 +175,7 @@ TEST_F(AssemblyWithinLimits, is_as_near_to_preferred_positions_as_can_be) {
   int nearest_of_all = 0;
   for (int k = 0; k < 20; ++k) {
     const std::vector<double> p = {random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
-    const LimitedAssemblyResult result = assemble_within_limits(model, at(model, elbow_up), {.preferred = p});
+    const LimitedAssemblyResult result = assemble_within_limits(model, at_rest(model, elbow_up), {.preferred = p});
     ASSERT_TRUE(result.assembled()) << result.message;
     EXPECT_LE(largest_violation_of(model, result.state), 1e-14);
     const Stationarity s = stationarity(model, result, p);
@@ -202,8 +190,8 @@ TEST_F(AssemblyWithinLimits, is_as_near_to_preferred_positions_as_can_be) {
 
 TEST_F(AssemblyWithinLimits, reaches_preferred_positions_that_are_closed) {
   const Model model = Model::build(four_bar());
-  const std::vector<double> p = assemble(model, at(model, elbow_up)).state.q;
-  const LimitedAssemblyResult result = assemble_within_limits(model, at(model, {0, 0, 0}), {.preferred = p});
+  const std::vector<double> p = assemble(model, at_rest(model, elbow_up)).state.q;
+  const LimitedAssemblyResult result = assemble_within_limits(model, at_rest(model, {0, 0, 0}), {.preferred = p});
   ASSERT_TRUE(result.assembled()) << result.message;
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(result.state.q[k], p[k], 1e-14);
   EXPECT_EQ(result.starts, 1);
@@ -301,7 +289,7 @@ TEST_F(AssemblyWithinLimits, names_the_limits_that_keep_a_loop_open) {
   spec.joints[0].limits = {LimitSpec{0.9, 1.0}};
   spec.joints[2].limits = {LimitSpec{-0.3, 0.1}};
   const Model model = Model::build(spec);
-  const LimitedAssemblyResult result = assemble_within_limits(model, at(model, elbow_up), {.starts = 4});
+  const LimitedAssemblyResult result = assemble_within_limits(model, at_rest(model, elbow_up), {.starts = 4});
   EXPECT_EQ(result.status, AssemblyStatus::beyond_limits);
   // the rocker's tip goes away from the coupler's circle
   EXPECT_GT(result.gaps[0].length, 0.1);
@@ -314,7 +302,7 @@ TEST_F(AssemblyWithinLimits, names_the_limits_that_keep_a_loop_open) {
 
 TEST_F(AssemblyWithinLimits, tells_a_loop_that_closes_without_limits_no_more_than_with_them) {
   const Model model = with_limits(four_bar(6), 0, -3, 3);
-  const LimitedAssemblyResult result = assemble_within_limits(model, at(model, elbow_up), {.starts = 3});
+  const LimitedAssemblyResult result = assemble_within_limits(model, at_rest(model, elbow_up), {.starts = 3});
   EXPECT_EQ(result.status, AssemblyStatus::infeasible);
   EXPECT_NEAR(result.gaps[0].length, 1, 1e-4) << "five metres of bars over six metres";
   EXPECT_NE(result.message.find("nor does it close without limits"), std::string::npos) << result.message;
@@ -324,17 +312,17 @@ TEST_F(AssemblyWithinLimits, does_not_accept_a_joint_the_wrong_way_round) {
   ModelSpec spec = four_bar();
   spec.closures[0].frame_a.rotation = Eigen::Vector3d(1, -1, -1).asDiagonal();  // the axis points the other way
   const Model model = Model::build(spec);
-  const LimitedAssemblyResult result = assemble_within_limits(model, at(model, elbow_up), {.starts = 3});
+  const LimitedAssemblyResult result = assemble_within_limits(model, at_rest(model, elbow_up), {.starts = 3});
   EXPECT_EQ(result.status, AssemblyStatus::flipped) << result.message;
   EXPECT_NE(result.message.find("wrong way round"), std::string::npos) << result.message;
 }
 
 TEST_F(AssemblyWithinLimits, turns_angles_into_their_limits) {
   const Model model = with_limits(four_bar(), 0, -3, 3);
-  std::vector<double> q = assemble(model, at(model, elbow_up)).state.q;
+  std::vector<double> q = assemble(model, at_rest(model, elbow_up)).state.q;
   const double angle = q[0];
   q[0] += 4 * std::numbers::pi;
-  const LimitedAssemblyResult result = assemble_within_limits(model, at(model, q));
+  const LimitedAssemblyResult result = assemble_within_limits(model, at_rest(model, q));
   ASSERT_TRUE(result.assembled()) << result.message;
   EXPECT_NEAR(result.state.q[0], angle, 1e-14);
 }
@@ -346,7 +334,7 @@ TEST_F(AssemblyWithinLimits, keeps_limits_of_joints_on_no_loop) {
     spec.joints[1].limits = {LimitSpec{0.3, 0.7}};
     return spec;
   }());
-  const LimitedAssemblyResult result = assemble_within_limits(model, at(model, {0.1, -0.2, 0.3}));
+  const LimitedAssemblyResult result = assemble_within_limits(model, at_rest(model, {0.1, -0.2, 0.3}));
   ASSERT_TRUE(result.assembled());
   EXPECT_EQ(result.state.q, (std::vector<double>{0.1, 0.3, 0.3}));
 }
@@ -354,13 +342,13 @@ TEST_F(AssemblyWithinLimits, keeps_limits_of_joints_on_no_loop) {
 TEST_F(AssemblyWithinLimits, can_be_interrupted) {
   const Model model = Model::build(four_bar());
   const LimitedAssemblyResult result =
-      assemble_within_limits(model, at(model, elbow_up), {.interrupted = [] { return true; }});
+      assemble_within_limits(model, at_rest(model, elbow_up), {.interrupted = [] { return true; }});
   EXPECT_EQ(result.status, AssemblyStatus::interrupted);
 }
 
 TEST_F(AssemblyWithinLimits, refuses_preferred_positions_of_another_model) {
   const Model model = Model::build(four_bar());
-  EXPECT_THROW(assemble_within_limits(model, at(model, elbow_up), {.preferred = {1, 2}}), InputError);
+  EXPECT_THROW(assemble_within_limits(model, at_rest(model, elbow_up), {.preferred = {1, 2}}), InputError);
 }
 
 }  // namespace

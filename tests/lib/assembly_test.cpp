@@ -12,6 +12,7 @@
 #include "lib/system/energy.h"
 #include "lib/system/evaluator.h"
 #include "lib/system/mass_matrix.h"
+#include "tests/support/loop_cases.h"
 #include "tests/support/random_model.h"
 #include "tests/support/tolerance.h"
 
@@ -53,13 +54,6 @@ Model four_bar(double crank, double coupler, double rocker, double ground_bar, s
   if (c.kind.traits().axes != JointAxes::none) c.axis = Eigen::Vector3d::UnitY();
   spec.closures.push_back(c);
   return Model::build(spec);
-}
-
-double largest_violation_of(const Model& model, const State<double>& state) {
-  Evaluator<double> evaluator(model);
-  double largest = 0;
-  for (const auto& row : evaluator.system(state).closure_rows) largest = std::max(largest, std::abs(row.g));
-  return largest;
 }
 
 TEST(Assembly, closes_a_four_bar_on_the_branch_the_guess_is_near_to) {

@@ -3,18 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "lib/io/four_bars.h"
+#include "tests/support/loop_cases.h"
 
 namespace lanc::test {
 namespace {
 
-const double pi = std::acos(-1.0);
-
-State<double> at(std::vector<double> q) { return {0, std::move(q), {0, 0, 0}}; }
+using std::numbers::pi;
 
 TEST(BranchMap, the_double_rocker_has_one_closed_branch) {
   const Model model = planar_four_bar(5, 3, 5, 5);
-  const State<double> start = at({std::asin(0.8), 0, 2 * std::asin(0.8)});  // crank and coupler in line
+  const State<double> start = at_rest({std::asin(0.8), 0, 2 * std::asin(0.8)});  // crank and coupler in line
   const BranchMap map = map_branches(model, start, 2, 0.05);
   ASSERT_EQ(map.branches.size(), 1U);
   EXPECT_TRUE(map.branches[0].closed);
@@ -36,7 +37,7 @@ TEST(BranchMap, parallelogram_and_rhombus_are_explored_through_all_their_crossin
     };
     for (const Case& c : {Case{2, 2, 2}, Case{0.6, 2, 2}, Case{1, 3, 3}}) {
       const Model model = planar_four_bar(1, c.ground, 1, c.ground, hinge);
-      const BranchMap map = map_branches(model, at({0.1, pi / 2 - 0.1, pi / 2 + 0.1}), 2, 0.05);
+      const BranchMap map = map_branches(model, at_rest({0.1, pi / 2 - 0.1, pi / 2 + 0.1}), 2, 0.05);
       EXPECT_EQ(map.branches.size(), c.branches) << c.ground;
       EXPECT_EQ(map.crossings.size(), c.crossings) << c.ground;
       for (const Branch& branch : map.branches) EXPECT_TRUE(branch.closed) << c.ground;
@@ -47,7 +48,7 @@ TEST(BranchMap, parallelogram_and_rhombus_are_explored_through_all_their_crossin
 
 TEST(BranchMap, what_cannot_be_done_in_the_steps_allowed_stays_open) {
   const Model model = planar_four_bar(5, 3, 5, 5);
-  const State<double> start = at({std::asin(0.8), 0, 2 * std::asin(0.8)});
+  const State<double> start = at_rest({std::asin(0.8), 0, 2 * std::asin(0.8)});
   const Branch branch = follow_round(BranchTracer(model, start, 2), 0.02, 30);
   EXPECT_FALSE(branch.closed);
   EXPECT_EQ(branch.points.size(), 31U);

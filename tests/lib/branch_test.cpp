@@ -3,20 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "lib/io/four_bars.h"
+#include "tests/support/loop_cases.h"
 
 namespace lanc::test {
 namespace {
 
-const double pi = std::acos(-1.0);
-
-State<double> at(const Model& model, std::vector<double> q) {
-  return {0, std::move(q), std::vector<double>(model.nv(), 0.0)};
-}
+using std::numbers::pi;
 
 /// The double rocker of figure 1 where coupler and rocker are in line (β1 at its minimum).
 State<double> figure_1_start(const Model& model) {
-  return at(model, {pi / 2 - 2 * std::asin(0.8), pi - std::asin(0.6), std::asin(0.6)});
+  return at_rest(model, {pi / 2 - 2 * std::asin(0.8), pi - std::asin(0.6), std::asin(0.6)});
 }
 
 TEST(Branch, the_double_rocker_goes_round_its_oval_through_the_four_extreme_points) {
@@ -60,7 +59,7 @@ TEST(Branch, the_parallelogram_crosses_its_antiparallel_branch_in_both_collinear
     const double a = 1, d = 2;
     const Model model = planar_four_bar(a, d, a, d, hinge);
     const double beta1 = 0.5;
-    BranchTracer tracer(model, at(model, {beta1, pi / 2 - beta1, beta1 + pi / 2}), 2);
+    BranchTracer tracer(model, at_rest(model, {beta1, pi / 2 - beta1, beta1 + pi / 2}), 2);
     if (tracer.here().tangent[0] < 0) tracer = BranchTracer(model, tracer.here().state, 2, -tracer.here().tangent);
     int crossings = 0;
     for (int step = 0; step < 400; ++step) {

@@ -68,10 +68,10 @@ using Scalars = testing::Types<double, long double, Count>;
 TYPED_TEST_SUITE(DenseAlgebra, Scalars);
 
 // below, at and above the sizes where Eigen changes from loops to blocks
-constexpr int sizes[] = {1, 2, 5, 20, 70};
+constexpr int orders[] = {1, 2, 5, 20, 70};
 
 TYPED_TEST(DenseAlgebra, ProductsAreSumsOfProducts) {
-  for (const int n : sizes) {
+  for (const int n : orders) {
     const int m = n / 2 + 1;
     const auto A = this->random(m, n), B = this->random(n, 3), C = this->random(m, 4), M = this->random(n, n);
     const auto x = this->random(n), y = this->random(m);
@@ -93,7 +93,7 @@ TYPED_TEST(DenseAlgebra, ProductsAreSumsOfProducts) {
 }
 
 TYPED_TEST(DenseAlgebra, TriangularSolutionsReadOneTriangle) {
-  for (const int n : sizes) {
+  for (const int n : orders) {
     auto L = this->random(n, n);
     for (int k = 0; k < n; ++k) L(k, k) = TypeParam(n);
     auto lower = L, upper = L;
@@ -114,7 +114,7 @@ TYPED_TEST(DenseAlgebra, TriangularSolutionsReadOneTriangle) {
 }
 
 TYPED_TEST(DenseAlgebra, FactorsSolve) {
-  for (const int n : sizes) {
+  for (const int n : orders) {
     const auto A = this->random(n, n);
     const auto M = this->positive_definite(A);
     const auto b = this->random(n);
@@ -135,7 +135,7 @@ TYPED_TEST(DenseAlgebra, FactorsSolve) {
 }
 
 TYPED_TEST(DenseAlgebra, QrIsOrthogonalTimesTriangular) {
-  for (const int n : sizes) {
+  for (const int n : orders) {
     const int r = n / 2 + 1;
     const auto A = this->random(n, r);
     const auto x = this->random(n);

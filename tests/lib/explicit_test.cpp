@@ -3,27 +3,25 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "lib/closure/explicit_walk.h"
 #include "lib/io/four_bars.h"
 #include "lib/io/mechanism.h"
 #include "lib/system/closure_jacobian.h"
 #include "lib/system/equations.h"
 #include "lib/system/evaluator.h"
+#include "tests/support/loop_cases.h"
 #include "tests/support/random_model.h"
 #include "tests/support/tolerance.h"
 
 namespace lanc::test {
 namespace {
 
-const double pi = std::acos(-1.0);
-
-State<double> at(std::vector<double> q) {
-  std::vector<double> rest(q.size(), 0.0);
-  return {0, std::move(q), std::move(rest)};
-}
+using std::numbers::pi;
 
 /// The double rocker 5 : 3 : 5 : 5 where β3 is largest, crank and coupler in line.
-State<double> crank_and_coupler_in_line() { return at({std::asin(0.8), 0, 2 * std::asin(0.8)}); }
+State<double> crank_and_coupler_in_line() { return at_rest({std::asin(0.8), 0, 2 * std::asin(0.8)}); }
 
 const ExplicitConditions& conditions_of(ExplicitClosures& closures, const Model& model, const State<double>& state) {
   Evaluator<double> evaluator(model);
@@ -113,7 +111,7 @@ TEST(Explicit, the_user_s_choice_is_kept_while_it_is_good_and_its_change_is_logg
   const Model model = planar_four_bar(5, 3, 5, 5);
   ExplicitClosures closures(model, {.candidates = {0, 2}});
   closures.choose({2});
-  const State<double> stretched = at({pi / 2 - 2 * std::asin(0.8), pi - std::asin(0.6), std::asin(0.6)});
+  const State<double> stretched = at_rest({pi / 2 - 2 * std::asin(0.8), pi - std::asin(0.6), std::asin(0.6)});
   EXPECT_EQ(conditions_of(closures, model, stretched).independent, std::vector<int>{2});
   EXPECT_TRUE(closures.changes().empty());
   // β3 has a limit point where crank and coupler are in line

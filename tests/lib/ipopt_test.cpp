@@ -10,7 +10,7 @@
 namespace lanc::test {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 using Vector = std::vector<double>;
 
 /// The point of the unit circle that is nearest to (a, b).
@@ -18,8 +18,8 @@ LeastDistanceProblem circle(double a, double b) {
   LeastDistanceProblem problem;
   problem.target = {a, b};
   problem.weight = {1, 1};
-  problem.lower = {-infinite, -infinite};
-  problem.upper = {infinite, infinite};
+  problem.lower = {-unbounded, -unbounded};
+  problem.upper = {unbounded, unbounded};
   problem.conditions = 1;
   problem.residual = [](const Vector& x, Vector& g) { return g[0] = x[0] * x[0] + x[1] * x[1] - 1, true; };
   problem.rows = {0, 0};
@@ -69,8 +69,8 @@ TEST_F(Ipopt, weighs_the_unknowns) {
   LeastDistanceProblem problem;
   problem.target = {1, 1};
   problem.weight = {1, 3};
-  problem.lower = {-infinite, -infinite};
-  problem.upper = {infinite, infinite};
+  problem.lower = {-unbounded, -unbounded};
+  problem.upper = {unbounded, unbounded};
   problem.conditions = 1;
   problem.residual = [](const Vector& x, Vector& g) { return g[0] = x[0] + x[1], true; };
   problem.rows = {0, 0};

@@ -51,4 +51,10 @@ void expect_same_motion(const std::map<std::string, WorldMotion>& a, const std::
   }
 }
 
+Placement operator*(const Placement& outer, const Placement& inner) {
+  return {outer.rotation * inner.rotation, outer.rotation * inner.position + outer.position};
+}
+
+Placement inverse(const Placement& p) { return {p.rotation.transpose(), -(p.rotation.transpose() * p.position)}; }
+
 }  // namespace lanc::test

@@ -20,4 +20,8 @@ std::map<std::string, WorldMotion> motion_of_bodies(const Model& model, const St
 void expect_same_motion(const std::map<std::string, WorldMotion>& a, const std::map<std::string, WorldMotion>& b,
                         double relative);
 
+/// One placement after another, and the way back.
+Placement operator*(const Placement& outer, const Placement& inner);
+Placement inverse(const Placement& p);
+
 }  // namespace lanc::test

@@ -275,4 +275,20 @@ Case chains_with_rungs(int n, double angle) {
   return c;
 }
 
+State<double> at_rest(const Model& model, std::vector<double> q) {
+  return {0, std::move(q), std::vector<double>(model.nv(), 0.0)};
+}
+
+State<double> at_rest(std::vector<double> q) {
+  std::vector<double> v(q.size(), 0.0);
+  return {0, std::move(q), std::move(v)};
+}
+
+double largest_violation_of(const Model& model, const State<double>& state) {
+  Evaluator<double> evaluator(model);
+  double largest = 0;
+  for (const auto& row : evaluator.system(state).closure_rows) largest = std::max(largest, std::abs(row.g));
+  return largest;
+}
+
 }  // namespace lanc::test

@@ -25,4 +25,11 @@ Case long_chain_tied_to_ground(int n, double angle = 0.7);
 /// Two chains side by side with n rungs between them, the lowest rods at an angle, at rest. Fills like the former.
 Case chains_with_rungs(int n, double angle = 0.7);
 
+/// Those positions, nothing moves; and for models with as many positions as velocities.
+State<double> at_rest(const Model& model, std::vector<double> q);
+State<double> at_rest(std::vector<double> q);
+
+/// The largest |g| of a closure's row.
+double largest_violation_of(const Model& model, const State<double>& state);
+
 }  // namespace lanc::test
