@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "lib/formulation/batch.h"
 #include "lib/formulation/judgement.h"
@@ -31,9 +32,13 @@ class PackKernel final : public BatchKernel {
     // lanes beyond the last state repeat it
     const auto gather = [&](std::span<const double> from, std::vector<P>& to) {
       const std::size_t size = to.size();
-      for (int lane = 0; lane < P::lanes; ++lane) {
-        const double* column = from.data() + size * (first + std::min(lane, count - 1));
-        for (std::size_t k = 0; k < size; ++k) to[k].set(lane, column[k]);
+      std::array<const double*, P::lanes> columns;
+      for (int lane = 0; lane < P::lanes; ++lane)
+        columns[lane] = from.data() + size * (first + std::min(lane, count - 1));
+      for (std::size_t k = 0; k < size; ++k) {  // a pack is put together in a register
+        P x;
+        for (int lane = 0; lane < P::lanes; ++lane) x.set(lane, columns[lane][k]);
+        to[k] = x;
       }
     };
     gather(states.q, state_.q), gather(states.v, state_.v);
