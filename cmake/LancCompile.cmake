@@ -6,7 +6,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # g++ 12 takes undefined lanes of the AVX-512 intrinsics inside Eigen for uninitialised variables.
   target_compile_options(lanc_compile INTERFACE -Wno-maybe-uninitialized -Wno-uninitialized)
   # And it sees strings written beyond their ends where they are moved, in headers that were precompiled.
-  target_compile_options(lanc_compile INTERFACE -Wno-array-bounds)
+  target_compile_options(lanc_compile INTERFACE -Wno-array-bounds -Wno-stringop-overread -Wno-stringop-overflow)
   # Straight-line vectorisation of 3-vectors reads by wide loads what was just written by narrow stores, and waits for
   # it: about 5 % of a solve on Zen 4.
   target_compile_options(lanc_compile INTERFACE -fno-tree-slp-vectorize)

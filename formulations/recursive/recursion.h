@@ -27,13 +27,11 @@ class Recursion {
   };
   Model model_;
   std::vector<ArticulatedInertia<S>> star_;  // M*
-  std::vector<Wrench<S>> load_;              // f*, then f* − M* ā^rel
   std::vector<Freedom> freedoms_;
 };
 
 template <class S>
-Recursion<S>::Recursion(const Model& model)
-    : model_(model), star_(model.bodies()), load_(model.bodies()), freedoms_(model.nv()) {}
+Recursion<S>::Recursion(const Model& model) : model_(model), star_(model.bodies()), freedoms_(model.nv()) {}
 
 /// Step 2, inertia: leaf to root, eq. 18. What a body hands down waits in star_[parent], or in M where the parent is
 /// next: memory would answer late, a quarter of the time of this sweep on a chain.
@@ -76,10 +74,11 @@ void Recursion<S>::factorise(const System<S>& system) {
 template <class S>
 void Recursion<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   const Model& model = model_;
+  std::vector<Wrench<S>>& load = solution.wrench;  // f*, then f* − M* ā^rel, until f̂ takes its place
   // Step 2, load: leaf to root.
   for (int i = model.bodies() - 1; i >= 0; --i) {
     const Link& link = model.link(i);
-    Wrench<S>& f = load_[i];
+    Wrench<S>& f = load[i];
     f = link.leaf ? rhs.force[i] : f + rhs.force[i];
     f -= star_[i] * rhs.bias[i];
     if (link.parent == ground && link.nv == 0) continue;
@@ -91,9 +90,9 @@ void Recursion<S>::substitute(const System<S>& system, const RightHandSide<S>& r
     }
     if (link.parent == ground) continue;
     if (link.last_sibling)
-      load_[link.parent] = moved_inward(system.bodies[i].r, rest);
+      load[link.parent] = moved_inward(system.bodies[i].r, rest);
     else
-      load_[link.parent] += moved_inward(system.bodies[i].r, rest);
+      load[link.parent] += moved_inward(system.bodies[i].r, rest);
   }
   // Steps 3 and 4: root to leaf. A joint's columns are taken in reverse, the last released one first.
   for (int i = 0; i < model.bodies(); ++i) {
@@ -107,7 +106,7 @@ void Recursion<S>::substitute(const System<S>& system, const RightHandSide<S>& r
       solution.vdot[k] = vdot;
       add_along(model.column_kind(k), system.columns[k], vdot, a);
     }
-    solution.wrench[i] = star_[i] * a - load_[i];
+    solution.wrench[i] = star_[i] * a - load[i];
     solution.acceleration[i] = a + rhs.bias[i];
   }
 }

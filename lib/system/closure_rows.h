@@ -59,9 +59,10 @@ Row<S> product(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B, const Vec
           dot(s_rate, relative) + dot(s, B.bias.angular - A.bias.angular)};
 }
 
-/// u·(p_B − p_A) for u fixed in A.
+/// u·(p_B − p_A) for u fixed in A. Always inlined, as condition() is: a row returned through memory costs the
+/// kinematics of one loop 7 %.
 template <class S>
-Row<S> along(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B) {
+[[gnu::always_inline]] inline Row<S> along(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B) {
   const Vec3<S> d = B.position - A.position, d_rate = B.linear - A.linear, u_rate = cross(A.angular, u);
   return {dot(u, d),
           {-cross(d + A.arm, u), -u},
@@ -92,7 +93,8 @@ const Vec3<S>& axis(const Mat3<S>& frame, int i) {
 
 /// One condition as a row. `length` is the distance demanded, with its derivatives.
 template <class S>
-Row<S> condition(const Condition& c, const Frame<S>& A, const Frame<S>& B, const S& pitch, const MotionSample& length) {
+[[gnu::always_inline]] inline Row<S> condition(const Condition& c, const Frame<S>& A, const Frame<S>& B, const S& pitch,
+                                               const MotionSample& length) {
   switch (c.kind) {
     case ConditionKind::along: return along(A, axis(A.axes, c.i), B);
     case ConditionKind::perpendicular: return product(A, axis(A.axes, c.i), B, axis(B.axes, c.j));

@@ -61,6 +61,7 @@ class Evaluator {
   void apply_springs();
   void close_loops(const State<S>& state);
   void close_side_by_side(const ClosureBlock& block);
+  void set_moving_body(MovingBody<B>& block, int lane, int body) const;
 
   System<S> system_;
   std::vector<Frames> frames_;
@@ -69,6 +70,7 @@ class Evaluator {
   std::vector<MotionSample> motions_;
   std::vector<S> angles_, sines_, cosines_;  // as Model::angles()
   std::vector<ClosureBlock> closure_blocks_;
+  MovingBody<B> ends_a_{}, ends_b_{};  // of a block of closures
   std::vector<Vec3<S>> positions_;
   std::vector<Motion<S>> twists_;
 };
