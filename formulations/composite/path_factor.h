@@ -94,7 +94,7 @@ void PathFactor<S>::factorise() {
 }
 
 /// Each coordinate waits for its neighbour on the path alone, number by number; what is further away comes in blocks,
-/// one coordinate late: a third of the time of a chain of six.
+/// one coordinate late. With the pivots apart this spares `composite` 8 % of its time on a chain of six.
 template <class S>
 void PathFactor<S>::solve(std::vector<S>& x) {
   S* const on_path = on_path_.data();

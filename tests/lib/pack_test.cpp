@@ -56,12 +56,13 @@ TYPED_TEST(PackOf, keeps_what_is_not_finite_in_its_lane) {
   P a(1.0);
   a.set(1, not_a_number);
   a.set(0, infinite);
-  const P results[] = {a + P(1.0), a - P(1.0), P(2.0) * a, P(1.0) / (a - a), sqrt(a), sin(a), cos(a)};
+  const P results[] = {a + P(1.0), a - P(1.0), P(2.0) * a, P(1.0) / (a - a), sqrt(a), sin(a), cos(a), magnitude(a)};
   for (const P& r : results) {
     EXPECT_TRUE(std::isnan(r[1]));
     for (int k = 2; k < P::lanes; ++k) EXPECT_FALSE(std::isnan(r[k]));
   }
   EXPECT_TRUE(std::isnan(sin(a)[0]));
+  EXPECT_EQ(magnitude(-a)[0], infinite);
 }
 
 TEST(Sines, of_many_angles_are_those_of_single_ones_to_a_unit_in_the_last_place) {
