@@ -1,7 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include "formulations/composite/path_factor.h"
 #include "lib/formulation/tree_formulation.h"
+#include "lib/spatial/block.h"
 #include "lib/system/equations.h"
 
 namespace lanc {
@@ -11,49 +15,90 @@ namespace lanc {
 template <class S>
 class Composite final : public TreeFormulation<S> {
  public:
-  explicit Composite(const Model& model) : TreeFormulation<S>(model), composite_(model.bodies()), factor_(model) {}
+  explicit Composite(const Model& model);
 
   void assemble(const System<S>& system) override;
 
  private:
   Outcome factorise_tree(const System<S>& system) override;
   void substitute_tree(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) override;
-  void assemble_rows(const System<S>& system, int body);
+  /// The lowest of coordinates that follow one another on a path, as many as a block has lanes or fewer.
+  struct Strand {
+    int lowest, count;
+  };
+  void assemble_rows(const System<S>& system, const Strand& strand);
 
+  static constexpr int lanes = PackedScalar<S>::lanes;
+  std::vector<Strand> strands_;             // every coordinate is in one of them
   std::vector<RigidInertia<S>> composite_;  // M^c_i: body i and all it carries, as one rigid body
   PathFactor<S> factor_;
+  std::vector<Packed<S>> by_depth_;  // entries of the rows of a strand, side by side
 };
+
+template <class S>
+Composite<S>::Composite(const Model& model) : TreeFormulation<S>(model), composite_(model.bodies()), factor_(model) {
+  const VelocityPaths paths(model);
+  std::vector<bool> taken(model.nv(), false);
+  int deepest = 0;
+  for (int k = model.nv() - 1; k >= 0; --k) {
+    if (taken[k]) continue;
+    Strand strand{k, 0};
+    for (int l = k; l >= 0 && !taken[l] && strand.count < lanes; l = paths.before(l)) taken[l] = true, ++strand.count;
+    strands_.push_back(strand);
+    deepest = std::max(deepest, paths.depth(k));
+  }
+  by_depth_.resize(lanes * blocks_of<S>(deepest));
+}
 
 template <class S>
 void Composite<S>::assemble(const System<S>& system) {
   const std::span<const Link> links = this->model().links();
   const int n = this->model().bodies();
   for (int i = 0; i < n; ++i) composite_[i] = system.bodies[i].inertia;
-  for (int i = n - 1; i >= 0; --i) {
-    assemble_rows(system, i);
+  for (int i = n - 1; i >= 0; --i)
     if (links[i].parent != ground) composite_[links[i].parent] += moved_inward(system.bodies[i].r, composite_[i]);
-  }
+  for (const Strand& strand : strands_) assemble_rows(system, strand);
+  if (!this->model().has_armature()) return;
+  for (int k = 0; k < this->model().nv(); ++k)
+    factor_.begin_row(k)[factor_.depth(k) - 1] += S(this->model().armature()[k]);
 }
 
-/// M^c C_k of the columns of body i, moved towards the root, meets the columns of every joint on the way.
+/// M^c C_k of the columns of a strand, side by side: each joins at its own joint, moves towards the root and meets the
+/// columns of every joint on the way. A row at a time took 1.5 times as long on a chain of 100, 1.15 on a humanoid.
 template <class S>
-void Composite<S>::assemble_rows(const System<S>& system, int i) {
+void Composite<S>::assemble_rows(const System<S>& system, const Strand& strand) {
+  using B = Packed<S>;
   const Model& model = this->model();
+  std::array<S*, lanes> rows;
+  Wrench<B> F{{B(0.0), B(0.0), B(0.0)}, {B(0.0), B(0.0), B(0.0)}};
+  const int depth = factor_.depth(strand.lowest), blocks = blocks_of<S>(depth);
+  int entry = depth, joined = 0;
   const std::span<const Link> links = model.links();
-  const Link& own = links[i];
-  for (int k = own.v; k < own.v + own.nv; ++k) {
-    Wrench<S> F = times_column(composite_[i], model.column_kind(k), system.columns[k]);
-    S* const begin = factor_.begin_row(k);
-    S* entry = begin + factor_.depth(k);
-    for (int l = k; l >= own.v; --l) *--entry = project(model.column_kind(l), system.columns[l], F);
-    if (model.has_armature()) begin[factor_.depth(k) - 1] += S(model.armature()[k]);
-    for (int body = i; entry != begin;) {
-      F = moved_inward(system.bodies[body].r, F);
-      body = links[body].parent;
-      const Link& link = links[body];
-      for (int l = link.v + link.nv - 1; l >= link.v; --l)
-        *--entry = project(model.column_kind(l), system.columns[l], F);
+  int l = strand.lowest, body = model.body_of_velocity(l), first = links[body].v;
+  for (;;) {
+    const ColumnKind kind = model.column_kind(l);
+    if (joined < strand.count) {
+      F = with_lane<S>(F, joined, times_column(composite_[body], kind, system.columns[l]));
+      rows[joined++] = factor_.begin_row(l);
     }
+    by_depth_[--entry] = project(kind, cast<B>(system.columns[l]), F);
+    if (entry == 0) break;
+    if (l-- > first) continue;
+    do {
+      F = moved_inward(cast<B>(system.bodies[body].r), F);
+      body = links[body].parent;
+      first = links[body].v;
+      l = first + links[body].nv - 1;
+    } while (l < first);
+  }
+  // Rows end in zeros: so do these, since a coordinate that has not joined yet is one.
+  std::fill(by_depth_.begin() + depth, by_depth_.begin() + lanes * blocks, B(0.0));
+  for (int block = 0; block < blocks; ++block) {
+    std::array<B, lanes> part;
+    std::copy_n(by_depth_.begin() + lanes * block, lanes, part.begin());
+    transpose(part);
+    for (int j = 0; j < strand.count && block < blocks_of<S>(depth - j); ++j)
+      store_block<S>(part[j], rows[j] + lanes * block);
   }
 }
 

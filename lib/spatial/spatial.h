@@ -73,8 +73,8 @@ inline S project(ColumnKind kind, const Motion<S>& column, const Wrench<S>& f) {
 }
 
 /// a += C s for one column.
-template <class S>
-inline void add_along(ColumnKind kind, const Motion<S>& column, const S& s, Motion<S>& a) {
+template <class S, class W>
+inline void add_along(ColumnKind kind, const Motion<W>& column, const S& s, Motion<W>& a) {
   if (kind != ColumnKind::translation) a.angular += column.angular * s;
   if (kind != ColumnKind::rotation) a.linear += column.linear * s;
 }

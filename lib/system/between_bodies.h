@@ -61,7 +61,8 @@ namespace closure {
 
 /// Frame that the model gives in the body's joint axes.
 template <class S, class Constant>
-Frame<S> frame_on(const MovingBody<S>& body, const Mat3<Constant>& axes, const Vec3<Constant>& point) {
+[[gnu::always_inline]] inline Frame<S> frame_on(const MovingBody<S>& body, const Mat3<Constant>& axes,
+                                                const Vec3<Constant>& point) {
   const Motion<S>& v = body.twist;
   const Vec3<S> arm = body.axes * cast<S>(point), turn = cross(v.angular, arm), none{S(0.0), S(0.0), S(0.0)};
   return {body.axes * cast<S>(axes),     arm, body.position + arm, v.angular, v.linear + turn,

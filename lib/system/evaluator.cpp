@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "lib/scalar/native_pack.h"
+#include "lib/spatial/wide.h"
+#include "lib/system/body_lanes.h"
 #include "lib/system/passive_torque.h"
 
 namespace lanc {
@@ -10,8 +12,8 @@ namespace lanc {
 template <class S>
 Evaluator<S>::Evaluator(const Model& model)
     : system_(model),
-      frames_(blocks_of<S>(model.bodies())),
-      masses_(frames_.size()),
+      frames_(lanes * blocks_of<S>(model.bodies())),
+      masses_(blocks_of<S>(model.bodies())),
       origin_velocities_(model.bodies()),
       motions_(model.drives()),
       angles_(lanes * blocks_of<S>(static_cast<int>(model.angles().size())), S(0.0)),  // whole blocks
@@ -43,25 +45,28 @@ template <class S>
 template <class Joint>
 void Evaluator<S>::step(int body, const S* q, const S* v) {
   constexpr JointTraits traits = Joint::traits;
+  using W = Widest<S>;
   const Link& link = system_.model.link(body);
-  JointStep<S> joint;
+  JointStep<W> joint;
   joint.pitch = link.pitch;
   Turns<Joint, S> turns;
   for (std::size_t a = 0; a < turns.size(); ++a) turns[a] = {sines_[link.angle + a], cosines_[link.angle + a]};
-  std::array<Motion<S>, traits.nv> columns;
-  Vec3<S> r = cast<S>(link.o), w;  // w: angular velocity of the body
-  Motion<S> bias{};
+  std::array<Motion<W>, traits.nv> columns;
+  Vec3<W> r, w;  // w: angular velocity of the body
+  Motion<W> bias{};
   if (link.parent == ground) {
-    joint.F = cast<S>(link.X);
+    joint.F = widened<W>(cast<S>(link.X));
     Joint::move(q, turns.data(), v, joint, columns.data());
+    r = widened<W>(cast<S>(link.o));
     if constexpr (traits.moves_origin) r += joint.displacement;
     if constexpr (traits.nv > 0) w = joint.angular;
   } else {
-    const Mat3<S> R = rotation(link.parent);
-    const Vec3<S> omega = angular_velocity(link.parent);
+    const BodyFrame<S>& parent = frames_[link.parent];
+    const Mat3<W> R{load<W>(parent.x), load<W>(parent.y), load<W>(parent.z)};
+    const Vec3<W> omega = load<W>(parent.omega);
     joint.F = R * cast<S>(link.X);
     Joint::move(q, turns.data(), v, joint, columns.data());
-    r = R * r;
+    r = R * cast<S>(link.o);
     if constexpr (traits.moves_origin) r += joint.displacement;
     w = omega;
     if constexpr (traits.nv > 0) {
@@ -70,7 +75,7 @@ void Evaluator<S>::step(int body, const S* q, const S* v) {
     }
     bias.linear = cross(omega, cross(omega, r));
     if constexpr (traits.moves_origin) {
-      const Vec3<S> coriolis = cross(omega, joint.linear);
+      const Vec3<W> coriolis = cross(omega, joint.linear);
       bias.linear += coriolis + coriolis;
     }
   }
@@ -83,33 +88,30 @@ void Evaluator<S>::step(int body, const S* q, const S* v) {
 
   Motion<S>* out = link.drive < 0 ? system_.columns.data() + link.v : system_.drive_columns.data() + link.drive;
   for (int k = 0; k < traits.nv; ++k) {
-    if (traits.columns[k] != ColumnKind::translation) out[k].angular = columns[k].angular;
-    if (traits.columns[k] != ColumnKind::rotation) out[k].linear = columns[k].linear;
+    if (traits.columns[k] != ColumnKind::translation) store(columns[k].angular, out[k].angular);
+    if (traits.columns[k] != ColumnKind::rotation) store(columns[k].linear, out[k].linear);
   }
-  system_.bodies[body].r = r;
-  system_.rhs.bias[body] = bias;
-  set_lane<S>(frames_of(body).R, lane(body), joint.R);
-  set_lane<S>(frames_of(body).omega, lane(body), w);
-  if constexpr (traits.moves_origin) origin_velocities_[body] = joint.linear;
+  store(r, system_.bodies[body].r);
+  store(bias.angular, system_.rhs.bias[body].angular), store(bias.linear, system_.rhs.bias[body].linear);
+  BodyFrame<S>& frame = frames_[body];
+  store(joint.R.x, frame.x), store(joint.R.y, frame.y), store(joint.R.z, frame.z), store(w, frame.omega);
+  if constexpr (traits.moves_origin) store(joint.linear, origin_velocities_[body]);
 }
 
 /// A block of bodies, for each by itself: inertia in world axes, gyroscopic force and weight.
 template <class S>
 void Evaluator<S>::weigh(int block) {
-  const Mat3<B>& R = frames_[block].R;
-  const Vec3<B>& w = frames_[block].omega;
+  const int width = lanes, first = block * width, last = std::min(first + width, system_.model.bodies());
+  Mat3<B> R;
+  Vec3<B> w;
+  frames_into_lanes<S>(frames_.data() + first, R, w);
   const Masses& masses = masses_[block];
   const Vec3<B> h = R * cast<B>(masses.h);
   const Sym3<B> J = rotated(R, masses.J);
   // f̂^c = [(J ω) × ω; (ω × h) × ω], f̂^t = [h × g; m g]
   const Vec3<B> moment = cross(J * w, w) + cross(h, cast<B>(system_.model.gravity())),
                 force = cross(cross(w, h), w) + cast<B>(masses.weight);
-  const int width = lanes, first = block * width, last = std::min(first + width, system_.model.bodies());
-  for (int i = first; i < last; ++i) {
-    system_.bodies[i].inertia.h = lane_of<S>(h, i - first);
-    system_.bodies[i].inertia.J = lane_of<S>(J, i - first);
-    system_.rhs.force[i] = {lane_of<S>(moment, i - first), lane_of<S>(force, i - first)};
-  }
+  bodies_from_lanes<S>(h, J, {moment, force}, first, last, system_);
 }
 
 template <class S>
@@ -120,10 +122,9 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
   const Model& model = system_.model;
   sample_motions(state.t);
   sample_angles(state);
-  // Packs are weighed one block behind: it takes a while until what was written number by number can be read as one.
-  constexpr int width = lanes, behind = lanes > 1;
-  int weighed = 0;
-  for (int i = 0; i < model.bodies(); ++i) {
+  constexpr int width = lanes;
+  const int n = model.bodies();
+  for (int i = 0; i < n; ++i) {
     const Link& link = model.link(i);
     if (link.drive < 0) {
       steps[link.kind.index](*this, i, state.q.data() + link.q, state.v.data() + link.v);
@@ -131,14 +132,13 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
       const S position(motions_[link.drive].position), velocity(motions_[link.drive].velocity);
       steps[link.kind.index](*this, i, &position, &velocity);
     }
-    if ((i + 1) / width > weighed + behind) weigh(weighed++);
+    if ((i + 1) % width == 0 || i + 1 == n) weigh(i / width);
   }
   if (loads.tau.empty())
     std::fill(system_.rhs.tau.begin(), system_.rhs.tau.end(), S(0.0));
   else
     std::copy(loads.tau.begin(), loads.tau.end(), system_.rhs.tau.begin());
   apply_passive(state);
-  while (weighed < blocks_of<S>(model.bodies())) weigh(weighed++);
   if (!model.springs().empty()) apply_springs();
   for (const ConstantWrench& w : model.wrenches()) system_.rhs.force[w.body] += cast<S>(w.wrench);
   for (const auto& w : loads.wrenches) system_.rhs.force[w.body] += w.wrench;
@@ -154,8 +154,14 @@ void Evaluator<S>::sample_motions(double t) {
 template <class S>
 void Evaluator<S>::sample_angles(const State<S>& state) {
   const std::span<const int> angles = system_.model.angles();
-  for (std::size_t a = 0; a < angles.size(); ++a)
-    angles_[a] = angles[a] >= 0 ? state.q[angles[a]] : S(motions_[-1 - angles[a]].position);
+  const auto angle = [&](int k) { return angles[k] >= 0 ? state.q[angles[k]] : S(motions_[-1 - angles[k]].position); };
+  // In whole blocks, the last angle filling the last one up: what is written number by number is late for a block.
+  const int width = lanes, n = static_cast<int>(angles.size());
+  for (int first = 0; first < n; first += width) {
+    B block;
+    for (int k = 0; k < width; ++k) PackedScalar<S>::set(block, k, angle(std::min(first + k, n - 1)));
+    store_block<S>(block, angles_.data() + first);
+  }
   sines_and_cosines(angles_.data(), sines_.data(), cosines_.data(), static_cast<int>(angles_.size()));
 }
 
@@ -180,7 +186,7 @@ void Evaluator<S>::apply_passive(const State<S>& state) {
 }
 
 template <class S>
-MovingBody<S> Evaluator<S>::moving_body(int body) const {
+[[gnu::always_inline]] inline MovingBody<S> Evaluator<S>::moving_body(int body) const {
   return body == ground ? ground_at_rest<S>() : MovingBody<S>{rotation(body), positions_[body], twists_[body]};
 }
 

@@ -3,6 +3,7 @@
 
 #include "lib/spatial/block.h"
 #include "lib/system/between_bodies.h"
+#include "lib/system/body_frame.h"
 #include "lib/system/closure_blocks.h"
 #include "lib/system/system.h"
 
@@ -25,8 +26,11 @@ class Evaluator {
   const System<S>& stabilise(double alpha);
 
   /// World axes of body i's joint axes and position of its reference point, at the last state.
-  [[gnu::always_inline]] Mat3<S> rotation(int body) const { return lane_of<S>(frames_of(body).R, lane(body)); }
-  Vec3<S> angular_velocity(int body) const { return lane_of<S>(frames_of(body).omega, lane(body)); }
+  [[gnu::always_inline]] Mat3<S> rotation(int body) const {
+    const BodyFrame<S>& frame = frames_[body];
+    return {vector_at<S>(frame.x), vector_at<S>(frame.y), vector_at<S>(frame.z)};
+  }
+  Vec3<S> angular_velocity(int body) const { return vector_at<S>(frames_[body].omega); }
   /// World axes of the user's body axes.
   Mat3<S> body_rotation(int body) const;
   /// Positions of all reference points and twists v̂ (eq. 7) at the last state; one pass over the bodies.
@@ -38,11 +42,6 @@ class Evaluator {
  private:
   using B = Packed<S>;
   static constexpr unsigned lanes = PackedScalar<S>::lanes;
-  /// Axes and angular velocities of a block of bodies.
-  struct Frames {
-    Mat3<B> R{};
-    Vec3<B> omega{};
-  };
   /// Their inertias in joint axes, and weights.
   struct Masses {
     Vec3<PackedConstant<S>> h{};
@@ -50,8 +49,6 @@ class Evaluator {
     Vec3<PackedConstant<S>> weight{};
   };
   static unsigned lane(int body) { return static_cast<unsigned>(body) % lanes; }
-  const Frames& frames_of(int body) const { return frames_[static_cast<unsigned>(body) / lanes]; }
-  Frames& frames_of(int body) { return frames_[static_cast<unsigned>(body) / lanes]; }
   template <class Joint>
   void step(int body, const S* q, const S* v);
   void weigh(int block);
@@ -64,7 +61,7 @@ class Evaluator {
   void set_moving_body(MovingBody<B>& block, int lane, int body) const;
 
   System<S> system_;
-  std::vector<Frames> frames_;
+  std::vector<BodyFrame<S>> frames_;  // in whole blocks
   std::vector<Masses> masses_;
   std::vector<Vec3<S>> origin_velocities_;  // C η of the origins of joints that move them, for twists()
   std::vector<MotionSample> motions_;

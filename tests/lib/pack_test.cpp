@@ -51,6 +51,47 @@ TYPED_TEST(PackOf, does_in_every_lane_what_its_numbers_do) {
   }
 }
 
+TYPED_TEST(PackOf, takes_a_number_into_one_lane_and_keeps_the_others) {
+  using P = TypeParam;
+  const P a = lanes_of<P>([](int k) { return 0.5 + k; });
+  for (int lane = 0; lane < P::lanes; ++lane) {
+    P set = a;
+    set.set(lane, -3);
+    const P replaced = a.with_lane(lane, -3);
+    for (int k = 0; k < P::lanes; ++k) {
+      EXPECT_EQ(set[k], k == lane ? -3 : a[k]) << lane;
+      EXPECT_EQ(replaced[k], k == lane ? -3 : a[k]) << lane;
+    }
+  }
+}
+
+TYPED_TEST(PackOf, keeps_its_first_lanes_and_has_zeros_behind_them_whatever_stood_there) {
+  using P = TypeParam;
+  P a = lanes_of<P>([](int k) { return 0.5 + k; });
+  a.set(P::lanes - 1, not_a_number);
+  for (int count = 0; count < P::lanes; ++count) {
+    const P first = first_lanes(a, count);
+    for (int k = 0; k < P::lanes; ++k) EXPECT_EQ(first[k], k < count ? a[k] : 0) << count;
+  }
+}
+
+TYPED_TEST(PackOf, is_loaded_from_and_stored_to_numbers_that_follow_one_another) {
+  using P = TypeParam;
+  using T = decltype(P()[0]);
+  T from[P::lanes + 1], to[P::lanes + 2] = {};
+  for (int k = 0; k <= P::lanes; ++k) from[k] = T(k);
+  P::load(from + 1).store(to + 1);  // at any place
+  for (int k = 1; k <= P::lanes; ++k) EXPECT_EQ(to[k], T(k));
+  EXPECT_EQ(to[0], 0);
+  EXPECT_EQ(to[P::lanes + 1], 0);
+}
+
+TEST(Pack, is_shuffled_out_of_two) {
+  const Pack<double, 2> a(1.0, 2.0), b(3.0, 4.0), c = shuffled<3, 0>(a, b);
+  EXPECT_EQ(c[0], 4.0);
+  EXPECT_EQ(c[1], 1.0);
+}
+
 TYPED_TEST(PackOf, keeps_what_is_not_finite_in_its_lane) {
   using P = TypeParam;
   P a(1.0);

@@ -5,7 +5,9 @@
 
 #include <Eigen/Dense>
 
+#include "lib/spatial/block.h"
 #include "lib/spatial/eigen.h"
+#include "lib/spatial/wide.h"
 #include "tests/support/random_model.h"
 #include "tests/support/tolerance.h"
 
@@ -80,6 +82,53 @@ TEST_F(Spatial, vectors_and_matrices_are_those_of_linear_algebra) {
   const Sym3<double> s = symmetric();
   expect_equal("symmetric", to_eigen(s * a), dense(s) * to_eigen(a));
   expect_equal("rotated", dense(rotated(m, s)), to_eigen(m) * dense(s) * to_eigen(m).transpose());
+}
+
+/// Out of one register, if this processor has such.
+Vec3<double> stored(const Vec3<Widest<double>>& a) {
+  Vec3<double> result;
+  store(a, result);
+  return result;
+}
+
+TEST_F(Spatial, vectors_in_one_register_are_those_of_three_numbers) {
+  using W = Widest<double>;
+  const Vec3<double> a = vector(), b = vector();
+  const Mat3<double> m = matrix(), n = matrix();
+  const Vec3<W> p = widened<W>(a), q = widened<W>(b);
+  expect_equal("sum", to_eigen(stored(p + q)), to_eigen(a + b));
+  expect_equal("difference", to_eigen(stored(p - q)), to_eigen(a - b));
+  expect_equal("multiple", to_eigen(stored(p * 0.3)), to_eigen(a * 0.3));
+  expect_equal("cross", to_eigen(stored(cross(p, q))), to_eigen(cross(a, b)));
+  expect_equal("m a", to_eigen(stored(widened<W>(m) * a)), to_eigen(m * a));
+  const Mat3<W> product = widened<W>(m) * n;
+  expect_equal("m n, y", to_eigen(stored(product.y)), to_eigen((m * n).y));
+  std::array<double, 4> place{};
+  store(p, place);
+  expect_equal("stored and loaded", to_eigen(stored(load<W>(place))), to_eigen(a));
+}
+
+TEST_F(Spatial, blocks_are_transposed) {
+  constexpr int n = PackedScalar<double>::lanes;
+  std::array<Packed<double>, n> rows;
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n; ++k) rows[i].set(k, 10 * i + k);
+  transpose(rows);
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n; ++k) EXPECT_EQ(rows[i][k], 10 * k + i);
+}
+
+TEST_F(Spatial, a_wrench_joins_a_block_in_any_lane) {
+  const Wrench<double> one = wrench();
+  for (int lane = 0; lane < PackedScalar<double>::lanes; ++lane) {
+    const Packed<double> five(5.0);
+    const auto block = with_lane<double>(Wrench<Packed<double>>{{five, five, five}, {five, five, five}}, lane, one);
+    for (int k = 0; k < PackedScalar<double>::lanes; ++k) {
+      EXPECT_EQ(block.moment.x[k], k == lane ? one.moment.x : 5.0);
+      EXPECT_EQ(block.moment.z[k], k == lane ? one.moment.z : 5.0);
+      EXPECT_EQ(block.force.y[k], k == lane ? one.force.y : 5.0);
+    }
+  }
 }
 
 TEST_F(Spatial, transport_is_b_and_its_transpose) {

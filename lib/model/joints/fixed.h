@@ -12,8 +12,8 @@ struct Fixed {
                                                   "xyz"}};
   static constexpr bool has_column_rate = false;
 
-  template <class S>
-  static void move(const S*, const SinCos<S>*, const S*, JointStep<S>& step, Motion<S>*) {
+  template <class S, class W>
+  static void move(const S*, const SinCos<S>*, const S*, JointStep<W>& step, Motion<W>*) {
     step.R = step.F;
   }
 };

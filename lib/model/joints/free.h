@@ -20,8 +20,8 @@ struct Free {
       .v_units = {"rad/s", "rad/s", "rad/s", "m/s", "m/s", "m/s"}};
   static constexpr bool has_column_rate = true;
 
-  template <class S>
-  static void move(const S* q, const SinCos<S>*, const S* v, JointStep<S>& step, Motion<S>* C) {
+  template <class S, class W>
+  static void move(const S* q, const SinCos<S>*, const S* v, JointStep<W>& step, Motion<W>* C) {
     step.R = turned_by_quaternion(step.F, q + 3);
     step.displacement = step.F * Vec3<S>{q[0], q[1], q[2]};
     C[0].angular = C[3].linear = step.R.x;

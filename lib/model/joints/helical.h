@@ -22,10 +22,10 @@ struct Helical {
                                                   "z"}};
   static constexpr bool has_column_rate = false;
 
-  template <class S>
-  static void move(const S* q, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
+  template <class S, class W>
+  static void move(const S* q, const SinCos<S>* turn, const S* v, JointStep<W>& step, Motion<W>* C) {
     step.R = turned_about_z(step.F, turn[0]);
-    const Vec3<S> along = step.F.z * S(step.pitch);
+    const Vec3<W> along = step.F.z * S(step.pitch);
     step.displacement = along * q[0];
     C[0] = {step.F.z, along};
     step.angular = step.F.z * v[0];

@@ -2,9 +2,10 @@
 //
 // A joint kind is a struct with
 //   static constexpr JointTraits traits            its facts: name, sizes, columns, coordinates, which axes it takes
-//   template <class S> static void move(...)       pose, relative twist and columns of C_i, from q, sines and cosines
-//   of
-//                                                  its angles, and v (the only place a kind shows)
+//   template <class S, class W> static void move(...)
+//                                                  pose, relative twist and columns of C_i, from q, sines and cosines
+//                                                  of its angles, and v (the only place a kind shows). W is S, or Wide:
+//                                                  vectors of three S in one register (lib/spatial/wide.h)
 // and, when its velocities are not the rates of its coordinates, rate() (eq. 1) and normalise() (eq. 2).
 //
 // Frames: everything is written in the *joint axes*: a frame K_F fixed on the predecessor and a frame fixed on the
@@ -62,26 +63,26 @@ Turns<Joint, S> turns_of(const S* q) {
 }
 
 /// What a joint does at one instant, in world axes. `F` holds the axes of K_F; the kind fills the rest.
-template <class S>
+template <class W>
 struct JointStep {
-  Mat3<S> F;                // in: axes of the predecessor's joint frame
+  Mat3<W> F;                // in: axes of the predecessor's joint frame
   double pitch = 0;         // in: m/rad, helical joints
-  Mat3<S> R;                // out: axes of the successor
-  Vec3<S> displacement;     // out: from K_F's to the successor's origin   (only if traits.moves_origin)
-  Vec3<S> angular, linear;  // out: relative twist C η                     (linear only if traits.moves_origin)
-  Vec3<S> angular_rate, linear_rate;  // out: Ċ η seen from the predecessor    (only if the kind has_column_rate)
+  Mat3<W> R;                // out: axes of the successor
+  Vec3<W> displacement;     // out: from K_F's to the successor's origin   (only if traits.moves_origin)
+  Vec3<W> angular, linear;  // out: relative twist C η                     (linear only if traits.moves_origin)
+  Vec3<W> angular_rate, linear_rate;  // out: Ċ η seen from the predecessor    (only if the kind has_column_rate)
 };
 
 /// Rotation of the frame F about its z axis.
-template <class S>
-[[gnu::always_inline]] inline Mat3<S> turned_about_z(const Mat3<S>& F, const SinCos<S>& angle) {
+template <class S, class W>
+[[gnu::always_inline]] inline Mat3<W> turned_about_z(const Mat3<W>& F, const SinCos<S>& angle) {
   const auto& [s, c] = angle;
   return {F.x * c + F.y * s, F.y * c - F.x * s, F.z};
 }
 
 /// Rotation of the frame F by unit Euler parameters (w, x, y, z) that take successor axes to predecessor axes.
-template <class S>
-inline Mat3<S> turned_by_quaternion(const Mat3<S>& F, const S* e) {
+template <class S, class W>
+inline Mat3<W> turned_by_quaternion(const Mat3<W>& F, const S* e) {
   const S x2 = e[1] + e[1], y2 = e[2] + e[2], z2 = e[3] + e[3];
   const S xx = x2 * e[1], yy = y2 * e[2], zz = z2 * e[3], xy = x2 * e[2], xz = x2 * e[3], yz = y2 * e[3];
   const S wx = x2 * e[0], wy = y2 * e[0], wz = z2 * e[0], one(1.0);

@@ -19,8 +19,8 @@ struct Planar {
       .closure = {3, {conditions::z, conditions::tilt_x, conditions::tilt_y}, "z"}};
   static constexpr bool has_column_rate = false;
 
-  template <class S>
-  static void move(const S* q, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
+  template <class S, class W>
+  static void move(const S* q, const SinCos<S>* turn, const S* v, JointStep<W>& step, Motion<W>* C) {
     step.R = turned_about_z(step.F, turn[0]);
     step.displacement = step.F.x * q[0] + step.F.y * q[1];
     C[0].linear = step.F.x;

@@ -20,8 +20,8 @@ struct Prismatic {
           5, {conditions::x, conditions::y, conditions::turn_x, conditions::turn_y, conditions::turn_z}, "xyz"}};
   static constexpr bool has_column_rate = false;
 
-  template <class S>
-  static void move(const S* q, const SinCos<S>*, const S* v, JointStep<S>& step, Motion<S>* C) {
+  template <class S, class W>
+  static void move(const S* q, const SinCos<S>*, const S* v, JointStep<W>& step, Motion<W>* C) {
     step.R = step.F;
     step.displacement = step.F.z * q[0];
     C[0].linear = step.F.z;

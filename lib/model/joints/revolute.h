@@ -18,8 +18,8 @@ struct Revolute {
       .closure = {5, {conditions::x, conditions::y, conditions::z, conditions::tilt_x, conditions::tilt_y}, "z"}};
   static constexpr bool has_column_rate = false;
 
-  template <class S>
-  static void move(const S*, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
+  template <class S, class W>
+  static void move(const S*, const SinCos<S>* turn, const S* v, JointStep<W>& step, Motion<W>* C) {
     step.R = turned_about_z(step.F, turn[0]);
     C[0].angular = step.R.z;
     step.angular = step.R.z * v[0];

@@ -18,8 +18,8 @@ struct Spherical {
                                       .closure = {3, {conditions::x, conditions::y, conditions::z}}};
   static constexpr bool has_column_rate = false;  // Ċ η = ω_rel × ω_rel = 0
 
-  template <class S>
-  static void move(const S* q, const SinCos<S>*, const S* v, JointStep<S>& step, Motion<S>* C) {
+  template <class S, class W>
+  static void move(const S* q, const SinCos<S>*, const S* v, JointStep<W>& step, Motion<W>* C) {
     step.R = turned_by_quaternion(step.F, q);
     C[0].angular = step.R.x;
     C[1].angular = step.R.y;

@@ -19,15 +19,15 @@ struct Universal {
                   {conditions::x, conditions::y, conditions::z, Condition{ConditionKind::perpendicular, 2, 0, "ry"}}}};
   static constexpr bool has_column_rate = true;
 
-  template <class S>
-  static void move(const S*, const SinCos<S>* turn, const S* v, JointStep<S>& step, Motion<S>* C) {
-    const Mat3<S> cross_piece = turned_about_z(step.F, turn[0]);
+  template <class S, class W>
+  static void move(const S*, const SinCos<S>* turn, const S* v, JointStep<W>& step, Motion<W>* C) {
+    const Mat3<W> cross_piece = turned_about_z(step.F, turn[0]);
     const auto& [s, c] = turn[1];
-    const Vec3<S>&x = cross_piece.x, &y = cross_piece.y, &z = cross_piece.z;
+    const Vec3<W>&x = cross_piece.x, &y = cross_piece.y, &z = cross_piece.z;
     step.R = {x, y * c + z * s, z * c - y * s};
     C[0].angular = z;
     C[1].angular = x;
-    const Vec3<S> first = z * v[0], second = x * v[1];
+    const Vec3<W> first = z * v[0], second = x * v[1];
     step.angular = first + second;
     step.angular_rate = cross(first, second);  // the second axis turns with the cross piece
   }
