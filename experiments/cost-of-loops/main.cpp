@@ -18,7 +18,7 @@ using namespace lanc;
 std::vector<std::string> default_models(bool quick) {
   std::vector<std::string> models;
   for (const char* shape : {"four-bar-ladder:{}", "four-bar-ladder:{}:cut=weld", "four-bar-chain:{}",
-                            "four-bar-nest:{}", "polygon:{}", "random-loops:{}"})
+                            "four-bar-tree:{}", "four-bar-nest:{}", "polygon:{}", "random-loops:{}"})
     for (const int n : {1, 2, 5, 10, 20, 50, 100}) {
       const bool random = shape[0] == 'r';
       if (n == 1 && shape[0] == 'p') continue;

@@ -105,17 +105,22 @@ Mechanism four_bar_ladder(const FourBarOptions& options, const std::string& name
   return a.mechanism();
 }
 
-Mechanism four_bar_chain(const FourBarOptions& options, const std::string& name) {
+Mechanism four_bar_tree(const FourBarOptions& options, const std::string& name) {
   Assembly a(options, name);
-  std::string base;
   for (int i = 1; i <= options.loops; ++i) {
     const std::string number = std::to_string(i), coupler = "c" + number;
+    const std::string base = i == 1 ? "" : "c" + std::to_string((i - 2) / options.branching + 1);
     a.upright("l" + number, base, 0);
     a.coupler(coupler, "l" + number);
     a.closing_upright("r" + number, base, 1, coupler);
-    base = coupler;
   }
   return a.mechanism();
+}
+
+Mechanism four_bar_chain(const FourBarOptions& options, const std::string& name) {
+  FourBarOptions one_on_each = options;
+  one_on_each.branching = 1;
+  return four_bar_tree(one_on_each, name);
 }
 
 Mechanism four_bar_nest(const FourBarOptions& options, const std::string& name) {

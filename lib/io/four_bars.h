@@ -10,6 +10,7 @@ struct FourBarOptions {
   int loops = 1;
   double angle = 0.7, rate = 1;  // of every upright from the vertical, rad and rad/s
   double gravity = 9.81;         // m/s², downward (−z)
+  int branching = 2;             // of a tree of four-bars
   /// Where loops are cut: by a point at the tip of an upright (3 rows, 1 redundant), by a hinge there (5 rows, 3
   /// redundant), or by a weld in its middle (6 rows, 3 redundant).
   enum class Cut : unsigned char { point, hinge, weld } cut = Cut::point;
@@ -22,6 +23,10 @@ Mechanism four_bar_ladder(const FourBarOptions& options, const std::string& name
 
 /// N four-bars in series: each stands on the coupler of the one before.
 Mechanism four_bar_chain(const FourBarOptions& options, const std::string& name);
+
+/// N four-bars as a complete tree: the first on the ground, four-bar i on the coupler of four-bar (i − 2)/B + 1, B
+/// being `branching`; siblings in the same place.
+Mechanism four_bar_tree(const FourBarOptions& options, const std::string& name);
 
 /// N four-bars inside one another: N + 1 uprights on the ground, 1 m apart, under one coupler of N m and 1 kg; every
 /// loop holds the first upright and the coupler. Closed form of the uprights' acceleration: g ((N+1)/2 + 1) sin θ /

@@ -39,6 +39,9 @@ constexpr GeneratorInfo table[] = {
      "the middle of the uprights (6 rows, 3 redundant)"},
     {"four-bar-chain", "four-bar-chain:N[:angle=A][:rate=R][:cut=point|hinge|weld][:gravity=G]",
      "N four-bars in series, each on the coupler of the one before; options as four-bar-ladder"},
+    {"four-bar-tree", "four-bar-tree:N[:branching=B][:angle=A][:rate=R][:cut=point|hinge|weld][:gravity=G]",
+     "N four-bars as a complete tree, number i on the coupler of number (i-2)/B + 1 (default: B = 2); options as "
+     "four-bar-ladder"},
     {"four-bar-nest", "four-bar-nest:N[:angle=A][:rate=R][:cut=point|hinge|weld][:gravity=G]",
      "N four-bars inside one another: N + 1 uprights under one coupler of N m; options as four-bar-ladder"},
     {"polygon", "polygon:N[:cut=point|hinge|weld][:gravity=G]",
@@ -259,10 +262,12 @@ std::optional<Mechanism> generate(std::string_view argument) {
       options.angle = arguments.number("angle", options.angle, "0.7 (rad)");
       options.rate = arguments.number("rate", options.rate, "1 (rad/s)");
     }
+    if (name == "four-bar-tree") options.branching = arguments.branching();
     options.cut = FourBarOptions::Cut(arguments.word("cut", {"point", "hinge", "weld"}));
     arguments.require_all_used();
     const auto make = name == "four-bar-ladder"  ? four_bar_ladder
                       : name == "four-bar-chain" ? four_bar_chain
+                      : name == "four-bar-tree"  ? four_bar_tree
                       : name == "four-bar-nest"  ? four_bar_nest
                                                  : polygon;
     return make(options, std::string(argument));

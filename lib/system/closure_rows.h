@@ -59,17 +59,30 @@ Row<S> product(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B, const Vec
           dot(s_rate, relative) + dot(s, B.bias.angular - A.bias.angular)};
 }
 
+/// Where the origin of B is, seen from A: for any u fixed in A, u·d and its derivatives u·rate and, while no â acts,
+/// u·bias. Common to the rows of a closure; (ω × u)·d = u·(d × ω) takes the turning of u out of each.
+template <class S>
+struct Separation {
+  Vec3<S> d, rate, bias;
+
+  [[gnu::always_inline]] Separation(const Frame<S>& A, const Frame<S>& B) : d(B.position - A.position) {
+    const Vec3<S>& w = A.angular;
+    const Vec3<S> d_rate = B.linear - A.linear, turn = cross(d, w);
+    rate = d_rate + turn;
+    bias = B.bias.linear - A.bias.linear + cross(d_rate + rate, w) + cross(d, A.bias.angular);
+  }
+};
+
 /// u·(p_B − p_A) for u fixed in A. Always inlined, as condition() is: a row returned through memory costs the
 /// kinematics of one loop 7 %.
 template <class S>
-[[gnu::always_inline]] inline Row<S> along(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B) {
-  const Vec3<S> d = B.position - A.position, d_rate = B.linear - A.linear, u_rate = cross(A.angular, u);
-  return {dot(u, d),
-          {-cross(d + A.arm, u), -u},
+[[gnu::always_inline]] inline Row<S> along(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B,
+                                           const Separation<S>& from_a) {
+  return {dot(u, from_a.d),
+          {-cross(from_a.d + A.arm, u), -u},
           {cross(B.arm, u), u},
-          dot(u, d_rate) + dot(u_rate, d),
-          dot(u, B.bias.linear - A.bias.linear) + dot(u_rate, d_rate) * S(2.0) +
-              dot(cross(A.bias.angular, u) + cross(A.angular, u_rate), d)};
+          dot(u, from_a.rate),
+          dot(u, from_a.bias)};
 }
 
 /// |p_B − p_A|; not finite where the points meet.
@@ -91,12 +104,13 @@ const Vec3<S>& axis(const Mat3<S>& frame, int i) {
   return i == 0 ? frame.x : i == 1 ? frame.y : frame.z;
 }
 
-/// One condition as a row. `length` is the distance demanded, with its derivatives.
+/// One condition as a row. `from_a` is the separation of A and B, `length` the distance demanded, with its derivatives.
 template <class S>
-[[gnu::always_inline]] inline Row<S> condition(const Condition& c, const Frame<S>& A, const Frame<S>& B, const S& pitch,
+[[gnu::always_inline]] inline Row<S> condition(const Condition& c, const Frame<S>& A, const Frame<S>& B,
+                                               const Separation<S>& from_a, const S& pitch,
                                                const MotionSample& length) {
   switch (c.kind) {
-    case ConditionKind::along: return along(A, axis(A.axes, c.i), B);
+    case ConditionKind::along: return along(A, axis(A.axes, c.i), B, from_a);
     case ConditionKind::perpendicular: return product(A, axis(A.axes, c.i), B, axis(B.axes, c.j));
     case ConditionKind::turn: {
       const int j = (c.i + 1) % 3, k = (c.i + 2) % 3;
@@ -113,7 +127,7 @@ template <class S>
       // twice cosine and sine of the angle while the z axes are parallel
       const Row<S> cosine = product(A, A.axes.x, B, B.axes.x) + product(A, A.axes.y, B, B.axes.y);
       const Row<S> sine = product(A, A.axes.y, B, B.axes.x) - product(A, A.axes.x, B, B.axes.y);
-      const Row<S> phase = along(A, A.axes.z, B) * (S(1.0) / pitch);
+      const Row<S> phase = along(A, A.axes.z, B, from_a) * (S(1.0) / pitch);
       const S sn = sin(phase.value), cs = cos(phase.value);
       return (phase.through(sn, cs, -sn) * cosine - phase.through(cs, -sn, -cs) * sine) * S(0.5);
     }

@@ -262,10 +262,12 @@ void Evaluator<S>::close_side_by_side(const ClosureBlock& block) {
     }
     const auto one = closure::frame_on(a, block.axes_a, block.point_a);
     const auto other = closure::frame_on(b, block.axes_b, block.point_b);
+    const closure::Separation<B> from_a(one, other);
     const Closure& c = closures[0];
     const Conditions& conditions = c.conditions();
     for (int k = 0; k < conditions.count; ++k) {
-      const closure::Row<B> row = closure::condition(conditions.rows[k], one, other, B(c.pitch), {c.length, 0, 0});
+      const closure::Row<B> row =
+          closure::condition(conditions.rows[k], one, other, from_a, B(c.pitch), {c.length, 0, 0});
       for (int lane = 0; lane <= last; ++lane) {
         const int at = closures[lane].row + k;
         system_.closure_rows[at] = {{lane_of<S>(row.a.moment, lane), lane_of<S>(row.a.force, lane)},

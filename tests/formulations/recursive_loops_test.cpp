@@ -48,6 +48,20 @@ TEST(RecursiveLoops, counts_of_operations_grow_by_the_same_number_with_every_loo
   }
 }
 
+TEST(RecursiveLoops, counts_of_operations_on_a_tree_of_loops_grow_in_proportion_to_the_number_of_loops) {
+  for (const char* name : {"four-bar-tree:{}", "four-bar-tree:{}:cut=weld", "four-bar-tree:{}:branching=5"}) {
+    std::vector<double> flops;
+    for (const int n : {31, 63, 127}) {
+      const Mechanism m = load_mechanism(fmt::format(fmt::runtime(name), n));
+      const PhaseCounts counts = count_phases(formulation(), m.model, m.state);
+      EXPECT_TRUE(counts.outcome.usable()) << name;
+      flops.push_back(static_cast<double>(counts.factorise.flops() + counts.solve.flops()) / n);
+    }
+    EXPECT_NEAR(flops[1] / flops[0], 1, 0.03) << name;
+    EXPECT_NEAR(flops[2] / flops[1], 1, 0.03) << name;
+  }
+}
+
 TEST(RecursiveLoops, on_trees_it_is_the_recursion_operation_by_operation) {
   for (const char* name : {"chain:12", "tree:31", "random:20:seed=4", "chain:7:joint=mixed"}) {
     const Mechanism m = load_mechanism(name);
