@@ -225,12 +225,8 @@ bool LoopFactors<S, width>::find_pivots(const ClosureStep& step, std::span<const
   Rows* const weights = weights_.data() + step.weights;
   Rows* const columns = weight_columns_.data() + step.weights;
   for (int r = 0; r < m; ++r)
-    for (int s = 0; s < strips; ++s) {
-      weights[r * strips + s] = W[r][s];
-      Rows column(0.0);
-      for (int k = 0; k < width; ++k) set_lane<width>(column, k, lane<width>(W[s * width + k][r / width], r % width));
-      columns[r * strips + s] = column;
-    }
+    for (int s = 0; s < strips; ++s) weights[r * strips + s] = W[r][s];
+  transpose_rows<width>(weights, columns, m);
   dropped_ += m - found;
   return counts.empty() || found == wanted;
 }
