@@ -26,6 +26,9 @@ TreeFormulation<S>::TreeFormulation(const Model& model) : Formulation<S>(model) 
 }
 
 template <class S>
+TreeFormulation<S>::~TreeFormulation() = default;
+
+template <class S>
 Outcome TreeFormulation<S>::factorise(const System<S>& system) {
   Outcome outcome = factorise_tree(system);
   if (!outcome.usable() || !this->model().has_closures()) return outcome;

@@ -16,6 +16,8 @@ template <class S>
 class TreeFormulation : public Formulation<S> {
  public:
   explicit TreeFormulation(const Model& model);
+  // In the library, whose alignment of dynamic matrices need not be that of whoever derives from this.
+  ~TreeFormulation() override;
 
   Outcome factorise(const System<S>& system) final;
   void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) final;

@@ -149,7 +149,7 @@ requires(N* static_cast<int>(sizeof(T)) > register_bytes) class alignas(N * size
   Half low_, high_;
 };
 
-/// Lane k of the result is lane from_k of a, or lane from_k − N of b.
+/// Lane k of the result is lane from_k of a, or lane from_k − N of b. For packs that fit into a register.
 template <int... from, class T, int N>
 [[gnu::always_inline]] inline Pack<T, sizeof...(from)> shuffled(const Pack<T, N>& a, const Pack<T, N>& b) {
   return Pack<T, N>::template shuffle<from...>(a, b);

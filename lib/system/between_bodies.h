@@ -103,7 +103,7 @@ void rows_of(const Closure& c, const ClosureSet& set, double t, const MovingBody
   const ClosureTraits& traits = c.kind.traits();
   if (c.motion >= 0 && !traits.has_length) movers[traits.joint->index](A, c.pitch, motion);
   const Conditions& conditions = c.conditions();
-  const Separation<S> from_a(A, B);
+  const Separation<S> from_a = conditions.has_along() ? Separation<S>(A, B) : Separation<S>();
   for (int k = 0; k < conditions.count; ++k) store(k, condition(conditions.rows[k], A, B, from_a, S(c.pitch), motion));
 }
 

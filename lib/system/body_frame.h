@@ -2,16 +2,17 @@
 #pragma once
 
 #include <array>
+#include <type_traits>
 
 #include "lib/spatial/block.h"
 
 namespace lanc {
 
-/// Axes of a body's joint frame and its angular velocity, in world axes. Each has the room of four numbers, so that one
-/// load can take it (wide.h).
+/// Axes of a body's joint frame and its angular velocity, in world axes. Each has the room of four doubles, so that one
+/// load can take it (wide.h); of other scalars, three.
 template <class S>
 struct alignas(64) BodyFrame {
-  using Place = std::array<S, 4>;
+  using Place = std::array<S, std::is_same_v<S, double> ? 4 : 3>;
   Place x{}, y{}, z{}, omega{};
 };
 

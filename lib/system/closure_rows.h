@@ -65,6 +65,7 @@ template <class S>
 struct Separation {
   Vec3<S> d, rate, bias;
 
+  Separation() = default;
   [[gnu::always_inline]] Separation(const Frame<S>& A, const Frame<S>& B) : d(B.position - A.position) {
     const Vec3<S>& w = A.angular;
     const Vec3<S> d_rate = B.linear - A.linear, turn = cross(d, w);
@@ -104,7 +105,8 @@ const Vec3<S>& axis(const Mat3<S>& frame, int i) {
   return i == 0 ? frame.x : i == 1 ? frame.y : frame.z;
 }
 
-/// One condition as a row. `from_a` is the separation of A and B, `length` the distance demanded, with its derivatives.
+/// One condition as a row. `from_a` is the separation of A and B where Conditions::has_along(), `length` the distance
+/// demanded, with its derivatives.
 template <class S>
 [[gnu::always_inline]] inline Row<S> condition(const Condition& c, const Frame<S>& A, const Frame<S>& B,
                                                const Separation<S>& from_a, const S& pitch,

@@ -34,6 +34,13 @@ struct Conditions {
   /// Axes of A and B that must point the same way: `perpendicular` and `turn` rows also vanish half a turn away, and
   /// such a flipped assembly is another mechanism. "z", "xyz", or none.
   std::string_view aligned = {};
+
+  /// Whether a row is about the place of B's origin along an axis of A.
+  constexpr bool has_along() const {
+    for (int k = 0; k < count; ++k)
+      if (rows[k].kind == ConditionKind::along || rows[k].kind == ConditionKind::screw) return true;
+    return false;
+  }
 };
 
 // The rows joints are made of.
