@@ -43,13 +43,13 @@ void LoopSubstitution<S, width>::solve(const LoopFactors<S, width>& factors, con
   load_rows<width>(rhs.closure, gamma_);
   forward<Pass::first>(task);
   backward<Pass::first>(task);
-  for (std::size_t k = 0; k < solution.lambda.size(); ++k)
-    solution.lambda[k] = lane<width>(lambda_[k / width], k % width);
+  for (std::size_t s = 0; s < lambda_.size(); ++s)
+    for (int k = 0; k < width; ++k) solution.lambda[s * width + k] = lane<width>(lambda_[s], k);
   residual_of_closures(task);
   forward<Pass::correction>(task);
   backward<Pass::correction>(task);
-  for (std::size_t k = 0; k < solution.lambda.size(); ++k)
-    solution.lambda[k] += lane<width>(lambda_[k / width], k % width);
+  for (std::size_t s = 0; s < lambda_.size(); ++s)
+    for (int k = 0; k < width; ++k) solution.lambda[s * width + k] += lane<width>(lambda_[s], k);
 }
 
 template <class S, int width>
@@ -83,7 +83,6 @@ template <class S, int width>
 void LoopSubstitution<S, width>::residual_of_closures(const Task& task) {
   const Solution<S>& x = task.solution;
   const std::vector<S>& given = task.rhs.closure;
-  load_rows<width>(given, gamma_);
   for (const ClosureEnds& ends : task.factors.plan().ends)
     for (int s = ends.strip; s < ends.strip + count<width>(ends.strips); ++s) {
       Rows open(0.0);
@@ -100,8 +99,10 @@ void LoopSubstitution<S, width>::residual_of_closures(const Task& task) {
       gamma_[s] = open;
     }
   if constexpr (width == 1)  // else there are no couplers
-    for (const Coupler& c : task.factors.model().closures().couplers)
+    for (const Coupler& c : task.factors.model().closures().couplers) {
+      gamma_[c.row] = given[c.row];
       for (const Coupler::Term& term : c.terms) gamma_[c.row] += S(term.factor) * x.vdot[term.v];
+    }
 }
 
 template <class S, int width>

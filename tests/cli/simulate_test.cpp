@@ -119,7 +119,8 @@ TEST(Simulate, goes_on_after_being_killed_at_fifty_random_moments) {
 
 TEST(Simulate, goes_on_after_an_interrupt) {
   for (const char* integrator : {"rk4", "generalized-alpha", "erk5"}) {
-    const std::filesystem::path whole = folder() / "whole.csv", cut = folder() / "cut.csv";
+    // files of its own: a run that is interrupted before it has opened its file must not find another one's
+    const std::filesystem::path whole = folder() / "whole.csv", cut = folder() / (std::string(integrator) + "-cut.csv");
     const auto begin = Clock::now();
     const Finished first = run("simulate", arguments(integrator, whole));
     if (first.error.find("there is no integrator") != std::string::npos) continue;  // built without SUNDIALS
@@ -130,7 +131,7 @@ TEST(Simulate, goes_on_after_an_interrupt) {
     child.send(SIGINT);
     const int code = child.wait();
     EXPECT_TRUE(code == 130 || code == 0) << code;
-    (void)rows_of(cut);
+    if (std::filesystem::exists(cut)) (void)rows_of(cut);
     const Finished last = run("simulate", arguments(integrator, cut, true));
     EXPECT_EQ(last.exit_code, 0) << last.error;
     expect_same(whole, cut);
