@@ -39,39 +39,37 @@ void LoopSubstitution<S, width>::solve(const LoopFactors<S, width>& factors, con
                                        const RightHandSide<S>& rhs, Solution<S>& solution) {
   const Task task{factors, system, rhs, solution};
   load_ = rhs.force;
-  if (!factors.model().has_closures()) return forward<Pass::only>(task), backward<Pass::only>(task);
+  if (!factors.model().has_closures()) return forward(task, Pass::only), backward(task, Pass::only);
   load_rows<width>(rhs.closure, gamma_);
-  forward<Pass::first>(task);
-  backward<Pass::first>(task);
+  forward(task, Pass::first);
+  backward(task, Pass::first);
   for (std::size_t s = 0; s < lambda_.size(); ++s)
     for (int k = 0; k < width; ++k) solution.lambda[s * width + k] = lane<width>(lambda_[s], k);
   residual_of_closures(task);
-  forward<Pass::correction>(task);
-  backward<Pass::correction>(task);
+  forward(task, Pass::correction);
+  backward(task, Pass::correction);
   for (std::size_t s = 0; s < lambda_.size(); ++s)
     for (int k = 0; k < width; ++k) solution.lambda[s * width + k] += lane<width>(lambda_[s], k);
 }
 
 template <class S, int width>
-template <typename LoopSubstitution<S, width>::Pass pass>
-void LoopSubstitution<S, width>::forward(const Task& task) {
+void LoopSubstitution<S, width>::forward(const Task& task, Pass pass) {
   const EliminationPlan& plan = task.factors.plan();
   for (const int at : plan.order) {
     if (at >= 0)
-      forward_body<pass>(task, plan.bodies[at]);
+      forward_body(task, plan.bodies[at], pass);
     else
       forward_closure(task.factors, plan.closures[-1 - at]);
   }
 }
 
 template <class S, int width>
-template <typename LoopSubstitution<S, width>::Pass pass>
-void LoopSubstitution<S, width>::backward(const Task& task) {
+void LoopSubstitution<S, width>::backward(const Task& task, Pass pass) {
   const EliminationPlan& plan = task.factors.plan();
   const std::vector<Motion<S>>& a = pass == Pass::correction ? delta_ : task.solution.acceleration;
   for (auto at = plan.order.rbegin(); at != plan.order.rend(); ++at) {
     if (*at >= 0)
-      backward_body<pass>(task, plan.bodies[*at]);
+      backward_body(task, plan.bodies[*at], pass);
     else
       backward_closure(task.factors, plan.closures[-1 - *at], a);
   }
@@ -106,8 +104,7 @@ void LoopSubstitution<S, width>::residual_of_closures(const Task& task) {
 }
 
 template <class S, int width>
-template <typename LoopSubstitution<S, width>::Pass pass>
-void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& step) {
+void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& step, Pass pass) {
   const LoopFactors<S, width>& factors = task.factors;
   const EliminationPlan& plan = factors.plan();
   const Attachment* const attachments = plan.attachments.data();
@@ -115,7 +112,7 @@ void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& 
   const int i = step.body;
   Wrench<S> rest;
   rest = load_[i];
-  if constexpr (pass != Pass::correction) {
+  if (pass != Pass::correction) {
     const Motion<S>& bias = task.rhs.bias[i];
     rest -= factors.star(i) * bias;
     load_[i] = rest;
@@ -130,7 +127,7 @@ void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& 
   for (int k = 0; k < step.nv; ++k) {
     const int v = step.v + k;
     S torque = task.rhs.tau[v] + project(factors.kind(v), task.system.columns[v], rest);
-    if constexpr (pass == Pass::correction) {
+    if (pass == Pass::correction) {
       if (factors.model().has_armature()) torque -= S(factors.model().armature()[v]) * task.solution.vdot[v];
       for (int t = step.terms.begin; t < step.terms.end; ++t)
         if (plan.terms[t].freedom == k) torque += S(plan.terms[t].factor) * task.solution.lambda[plan.terms[t].row];
@@ -147,8 +144,7 @@ void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& 
 }
 
 template <class S, int width>
-template <typename LoopSubstitution<S, width>::Pass pass>
-void LoopSubstitution<S, width>::backward_body(const Task& task, const BodyStep& step) {
+void LoopSubstitution<S, width>::backward_body(const Task& task, const BodyStep& step, Pass pass) {
   const LoopFactors<S, width>& factors = task.factors;
   Solution<S>& solution = task.solution;
   const Range around = step.attachments;
@@ -169,19 +165,19 @@ void LoopSubstitution<S, width>::backward_body(const Task& task, const BodyStep&
       for (int s = 0; s < count<width>(m.strips); ++s)
         vdot += sum_of_lanes<width>(response[m.column + s] * lambda_[m.strip + s]);
     }
-    if constexpr (pass == Pass::correction)
+    if (pass == Pass::correction)
       solution.vdot[v] += vdot;
     else
       solution.vdot[v] = vdot;
     add_along(factors.kind(v), task.system.columns[v], vdot, a);
   }
-  if constexpr (pass == Pass::correction) {
+  if (pass == Pass::correction) {
     delta_[i] = a;
     solution.acceleration[i] += a;
   } else {
     const Motion<S> whole = a + task.rhs.bias[i];
     solution.acceleration[i] = whole;
-    if constexpr (pass == Pass::first) {  // for the residual
+    if (pass == Pass::first) {  // for the residual
       load_[i] = task.rhs.force[i] - task.system.bodies[i].inertia * whole;
       return;
     }

@@ -30,18 +30,16 @@ class LoopSubstitution {
              Solution<S>& solution);
 
  private:
+  /// Asked while it runs: code of its own for each pass leaves the instruction cache too little room, and a single
+  /// four-bar takes 5 % longer.
   enum class Pass : unsigned char { only, first, correction };
   struct Task;  // what the steps of one solve share
 
-  template <Pass pass>
-  void forward(const Task& task);
-  template <Pass pass>
-  void backward(const Task& task);
+  void forward(const Task& task, Pass pass);
+  void backward(const Task& task, Pass pass);
   void residual_of_closures(const Task& task);
-  template <Pass pass>
-  void forward_body(const Task& task, const BodyStep& step);
-  template <Pass pass>
-  void backward_body(const Task& task, const BodyStep& step);
+  void forward_body(const Task& task, const BodyStep& step, Pass pass);
+  void backward_body(const Task& task, const BodyStep& step, Pass pass);
   void forward_closure(const LoopFactors<S, width>& factors, const ClosureStep& step);
   void backward_closure(const LoopFactors<S, width>& factors, const ClosureStep& step, const std::vector<Motion<S>>& a);
 
