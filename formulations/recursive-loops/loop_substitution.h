@@ -30,8 +30,6 @@ class LoopSubstitution {
              Solution<S>& solution);
 
  private:
-  /// Asked while it runs: code of its own for each pass leaves the instruction cache too little room, and a single
-  /// four-bar takes 5 % longer.
   enum class Pass : unsigned char { only, first, correction };
   struct Task;  // what the steps of one solve share
 
