@@ -14,7 +14,7 @@ namespace lanc {
 
 extern template class Evaluator<NativePack>;
 
-/// `Phases` has factorise(system) and substitute(system, rhs, solution) on the pack P, as Recursion<P> does.
+/// `Phases` has solve(system, solution) on the pack P, as Recursion<P> does.
 template <class Phases, class P>
 class PackKernel final : public BatchKernel {
  public:
@@ -27,37 +27,57 @@ class PackKernel final : public BatchKernel {
 
   void solve(const BatchStates& states, int first, int count, const BatchOptions& options,
              BatchAnswers& answers) override {
-    const int nv = model_.nv();
     state_.t = states.t;
-    // lanes beyond the last state repeat it
-    const auto gather = [&](std::span<const double> from, std::vector<P>& to) {
-      const std::size_t size = to.size();
-      std::array<const double*, P::lanes> columns;
-      for (int lane = 0; lane < P::lanes; ++lane)
-        columns[lane] = from.data() + size * (first + std::min(lane, count - 1));
-      for (std::size_t k = 0; k < size; ++k) {  // a pack is put together in a register
-        P x;
-        for (int lane = 0; lane < P::lanes; ++lane) x.set(lane, columns[lane][k]);
-        to[k] = x;
-      }
-    };
-    gather(states.q, state_.q), gather(states.v, state_.v);
-    if (!states.tau.empty()) gather(states.tau, loads_.tau);
+    gather(states.q, first, count, state_.q), gather(states.v, first, count, state_.v);
+    if (!states.tau.empty()) gather(states.tau, first, count, loads_.tau);
     const System<P>& system = evaluator_.system(state_, states.tau.empty() ? none_ : loads_);
-    phases_.factorise(system);
-    phases_.substitute(system, system.rhs, solution_);
+    phases_.solve(system, solution_);
     const P excess = judgement::first_look(system, solution_);
+    scatter(solution_.vdot, first, count, answers.vdot);
     for (int lane = 0; lane < count; ++lane) {
-      double* vdot = answers.vdot.data() + std::size_t(nv) * (first + lane);
-      for (int k = 0; k < nv; ++k) vdot[k] = solution_.vdot[k][lane];
-      if (options.all_outputs) scatter(first + lane, lane, answers);
+      if (options.all_outputs) scatter_bodies(first + lane, lane, answers);
       const bool good = excess[lane] == 0;
       answers.outcome[first + lane] = {good ? Status::solved : Status::not_converged};
     }
   }
 
  private:
-  void scatter(int state, int lane, BatchAnswers& answers) const {
+  using Rows = std::array<P, P::lanes>;
+
+  /// Numbers of `count` states side by side; lanes beyond the last state repeat it. A square of numbers at a time; what
+  /// is left over number by number.
+  static void gather(std::span<const double> from, int first, int count, std::vector<P>& to) {
+    const int size = static_cast<int>(to.size());
+    const auto numbers = [&](int lane) {
+      return from.data() + std::ptrdiff_t{size} * (first + std::min(lane, count - 1));
+    };
+    int k = 0;
+    for (; k + P::lanes <= size; k += P::lanes) {
+      Rows rows;
+      for (int lane = 0; lane < P::lanes; ++lane) rows[lane] = P::load(numbers(lane) + k);
+      transpose(rows);
+      std::copy(rows.begin(), rows.end(), to.begin() + k);
+    }
+    for (; k < size; ++k) {  // put together in a register
+      P pack;
+      for (int lane = 0; lane < P::lanes; ++lane) pack.set(lane, numbers(lane)[k]);
+      to[k] = pack;
+    }
+  }
+  static void scatter(const std::vector<P>& from, int first, int count, std::vector<double>& to) {
+    const int size = static_cast<int>(from.size());
+    const auto numbers = [&](int lane) { return to.data() + std::ptrdiff_t{size} * (first + lane); };
+    int k = 0;
+    for (; k + P::lanes <= size; k += P::lanes) {
+      Rows rows;
+      std::copy(from.begin() + k, from.begin() + k + P::lanes, rows.begin());
+      transpose(rows);
+      for (int lane = 0; lane < count; ++lane) rows[lane].store(numbers(lane) + k);
+    }
+    for (; k < size; ++k)
+      for (int lane = 0; lane < count; ++lane) numbers(lane)[k] = from[k][lane];
+  }
+  void scatter_bodies(int state, int lane, BatchAnswers& answers) const {
     const auto one = [lane](const Vec3<P>& a) { return Vec3<double>{a.x[lane], a.y[lane], a.z[lane]}; };
     const std::size_t n = model_.bodies();
     for (std::size_t i = 0; i < n; ++i) {

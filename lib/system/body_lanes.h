@@ -24,12 +24,16 @@ template <class S>
 [[gnu::always_inline]] inline void bodies_from_lanes(const Vec3<Packed<S>>& h, const Sym3<Packed<S>>& J,
                                                      const Wrench<Packed<S>>& force, int first, int last,
                                                      System<S>& system) {
-  for (int i = first; i < last; ++i) {
-    const int lane = i - first;
+  const auto one = [&](int i, int lane) __attribute__((always_inline)) {
     system.bodies[i].inertia.h = lane_of<S>(h, lane);
     system.bodies[i].inertia.J = lane_of<S>(J, lane);
-    system.rhs.force[i] = {lane_of<S>(force.moment, lane), lane_of<S>(force.force, lane)};
-  }
+    system.rhs.force[i].moment = lane_of<S>(force.moment, lane);
+    system.rhs.force[i].force = lane_of<S>(force.force, lane);
+  };
+  if constexpr (PackedScalar<S>::lanes == 1)
+    one(first, 0);  // no loop: packs stay in registers
+  else
+    for (int i = first; i < last; ++i) one(i, i - first);
 }
 
 #if defined(__AVX512F__)
