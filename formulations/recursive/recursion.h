@@ -85,8 +85,8 @@ template <class S>
 [[gnu::always_inline]] inline void Recursion<S>::take_load(int i, const System<S>& system, const RightHandSide<S>& rhs,
                                                            std::vector<Wrench<S>>& load) {
   const Link& link = model_.link(i);
-  Wrench<S> f = link.leaf ? rhs.force[i] : load[i] + rhs.force[i];
-  f -= star_[i] * rhs.bias[i];
+  Wrench<S> f = plus_product(rhs.force[i], star_[i], -rhs.bias[i]);
+  if (!link.leaf) f += load[i];
   load[i] = f;
   if (link.parent == ground && link.nv == 0) return;
   for (int k = link.v; k < link.v + link.nv; ++k) {
@@ -116,7 +116,7 @@ void Recursion<S>::accelerate(const System<S>& system, const RightHandSide<S>& r
       solution.vdot[k] = vdot;
       add_along(model.column_kind(k), system.columns[k], vdot, a);
     }
-    solution.wrench[i] = star_[i] * a - solution.wrench[i];
+    solution.wrench[i] = plus_product(-solution.wrench[i], star_[i], a);
     solution.acceleration[i] = a + rhs.bias[i];
   }
 }

@@ -31,6 +31,7 @@ struct Batch::Workspace {
   Evaluator<double> evaluator;
   std::unique_ptr<Formulation<double>> formulation;
   Solution<double> solution;
+  std::vector<std::pair<int, Outcome>> outcomes;  // of states that it has solved one by one
 
   Workspace(const Model& model, const FormulationInfo& info, bool in_packs)
       : kernel(in_packs ? info.create_kernel(model) : nullptr),
@@ -41,7 +42,8 @@ struct Batch::Workspace {
   /// One state by itself, with all that Formulation::solve() looks at.
   void solve(const Model& model, const BatchStates& states, int k, bool all_outputs, BatchAnswers& answers) {
     const System<double>& system = evaluator.system(states.state(model, k), states.loads(model, k));
-    answers.outcome[k] = formulation->solve(system, solution);
+    outcomes.emplace_back(k, formulation->solve(system, solution));
+    answers.status[k] = outcomes.back().second.status;
     const std::ptrdiff_t nv = model.nv(), n = model.bodies();
     std::copy(solution.vdot.begin(), solution.vdot.end(), answers.vdot.begin() + k * nv);
     if (!all_outputs) return;
@@ -66,9 +68,26 @@ struct Batch::Work {
 
   void solve(const BatchStates& states, int first, int count, BatchAnswers& answers) {
     Workspace& own = workspaces.local();
-    if (in_packs) own.kernel->solve(states, first, count, options, answers);
-    for (int k = first; k < first + count; ++k)
-      if (!in_packs || !answers.outcome[k].usable()) own.solve(model, states, k, options.all_outputs, answers);
+    const unsigned good = in_packs ? own.kernel->solve(states, first, count, options, answers) : 0;
+    for (int k = 0; k < count; ++k) {
+      if (good >> k & 1)
+        answers.status[first + k] = Status::solved;
+      else
+        own.solve(model, states, first + k, options.all_outputs, answers);
+    }
+  }
+
+  void solve_all(const BatchStates& states, int count, BatchAnswers& answers) {
+    const int lanes = in_packs ? workspaces.local().kernel->lanes() : 1, packs = (count + lanes - 1) / lanes;
+    const auto some = [&](int first_pack, int last_pack) {
+      for (int p = first_pack; p < last_pack; ++p)
+        solve(states, p * lanes, std::min(lanes, count - p * lanes), answers);
+    };
+    if (options.threads == 1) return some(0, packs);
+    arena.execute([&] {
+      tbb::parallel_for(tbb::blocked_range<int>(0, packs),
+                        [&](const auto& range) { some(range.begin(), range.end()); });
+    });
   }
 };
 
@@ -90,18 +109,13 @@ void Batch::solve(const BatchStates& states, BatchAnswers& answers) {
                     "and {} velocities (torques: as many, or none)",
                     states.q.size(), states.v.size(), states.tau.size(), nq, nv));
   answers.vdot.resize(count * nv);
-  answers.outcome.assign(count, {});
+  answers.status.resize(count);
   if (work_->options.all_outputs) answers.acceleration.resize(count * n), answers.wrench.resize(count * n);
-  const int lanes = this->lanes();
-  const int packs = static_cast<int>((count + lanes - 1) / lanes);
-  const auto some = [&](int first_pack, int last_pack) {
-    for (int p = first_pack; p < last_pack; ++p)
-      work_->solve(states, p * lanes, std::min(lanes, static_cast<int>(count) - p * lanes), answers);
-  };
-  if (work_->options.threads == 1) return some(0, packs);
-  work_->arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<int>(0, packs), [&](const auto& range) { some(range.begin(), range.end()); });
-  });
+  answers.outcome.clear();
+  for (Workspace& workspace : work_->workspaces) workspace.outcomes.clear();
+  work_->solve_all(states, static_cast<int>(count), answers);
+  for (Workspace& workspace : work_->workspaces)
+    for (auto& [k, outcome] : workspace.outcomes) answers.outcome.emplace(k, std::move(outcome));
 }
 
 }  // namespace lanc

@@ -1,6 +1,7 @@
 // Many states of one model at once: several in the lanes of SIMD registers, on all cores.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -23,7 +24,8 @@ struct BatchAnswers {
   std::vector<double> vdot;
   std::vector<Motion<double>> acceleration;
   std::vector<Wrench<double>> wrench;
-  std::vector<Outcome> outcome;
+  std::vector<Status> status;      // of every state; numbers of one that is not usable() must not be used
+  std::map<int, Outcome> outcome;  // in full, with messages: of the states that were solved one by one
 };
 
 struct BatchOptions {
@@ -36,10 +38,10 @@ class BatchKernel {
  public:
   virtual ~BatchKernel() = default;
   virtual int lanes() const = 0;
-  /// States first .. first + count − 1, count ≤ lanes. An outcome is `solved` where the answer has passed the look of
-  /// Formulation::solve(), else `not_converged`: that state is to be solved by itself.
-  virtual void solve(const BatchStates& states, int first, int count, const BatchOptions& options,
-                     BatchAnswers& answers) = 0;
+  /// States first .. first + count − 1, count ≤ lanes. Bit k of what it returns is set where the answer of state
+  /// first + k has passed the look of Formulation::solve(); the others are to be solved by themselves.
+  virtual unsigned solve(const BatchStates& states, int first, int count, const BatchOptions& options,
+                         BatchAnswers& answers) = 0;
 };
 
 /// Every state gets the answer and the outcome that Formulation::solve() gives it, to rounding. What a state lacks (a

@@ -15,8 +15,11 @@ constexpr std::string_view to_string(Status status) {
   return names[static_cast<int>(status)];
 }
 
-/// `solved` and `redundant` carry an answer that is right. With every other status the numbers must not be used, unless
-/// `conditional`: then they are right under the condition that the message tells.
+/// `solved` and `redundant` carry an answer that is right.
+constexpr bool usable(Status status) { return status == Status::solved || status == Status::redundant; }
+
+/// With a status that is not usable() the numbers must not be used, unless `conditional`: then they are right under the
+/// condition that the message tells.
 struct [[nodiscard]] Outcome {
   Status status = Status::solved;
   std::string message;  // why, and what to do; empty when solved
@@ -30,7 +33,7 @@ struct [[nodiscard]] Outcome {
   int rank = 0, redundant = 0;
   double sigma = 0, next_sigma = 0;  // σ_r and σ_{r+1}
 
-  bool usable() const { return status == Status::solved || status == Status::redundant; }
+  bool usable() const { return lanc::usable(status); }
   /// There are numbers to be told.
   bool has_answer() const { return usable() || conditional; }
 };

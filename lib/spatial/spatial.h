@@ -17,6 +17,7 @@ struct Motion {
 
   Motion& operator+=(const Motion& b) { return angular += b.angular, linear += b.linear, *this; }
   friend Motion operator+(const Motion& a, const Motion& b) { return {a.angular + b.angular, a.linear + b.linear}; }
+  friend Motion operator-(const Motion& a) { return {-a.angular, -a.linear}; }
   friend Motion operator-(const Motion& a, const Motion& b) { return {a.angular - b.angular, a.linear - b.linear}; }
   friend Motion operator*(const Motion& a, const S& s) { return {a.angular * s, a.linear * s}; }
 };
@@ -29,6 +30,7 @@ struct Wrench {
   Wrench& operator+=(const Wrench& b) { return moment += b.moment, force += b.force, *this; }
   Wrench& operator-=(const Wrench& b) { return moment -= b.moment, force -= b.force, *this; }
   friend Wrench operator+(const Wrench& a, const Wrench& b) { return {a.moment + b.moment, a.force + b.force}; }
+  friend Wrench operator-(const Wrench& a) { return {-a.moment, -a.force}; }
   friend Wrench operator-(const Wrench& a, const Wrench& b) { return {a.moment - b.moment, a.force - b.force}; }
   friend Wrench operator*(const Wrench& a, const S& s) { return {a.moment * s, a.force * s}; }
 };
@@ -42,10 +44,11 @@ inline S dot(const Motion<S>& a, const Wrench<S>& f) {
 /// B_ip a: acceleration (or column) of the parent, moved by r to the body's reference point. 12 operations.
 template <class S>
 inline Motion<S> moved_outward(const Vec3<S>& r, const Motion<S>& a) {
-  return {a.angular, a.linear + cross(a.angular, r)};
+  return {a.angular, plus_cross(a.linear, a.angular, r)};
 }
 
-/// B_ipᵀ f: wrench on the body, moved by r to the parent's reference point. 12 operations.
+/// B_ipᵀ f: wrench on the body, moved by r to the parent's reference point. 12 operations. A sum on purpose: where a
+/// wrench climbs a path, its force stays, and the moment waits for an addition only.
 template <class S>
 inline Wrench<S> moved_inward(const Vec3<S>& r, const Wrench<S>& f) {
   return {f.moment + cross(r, f.force), f.force};
@@ -123,9 +126,17 @@ struct ArticulatedInertia {
 
   /// M* a. 66 operations.
   friend Wrench<S> operator*(const ArticulatedInertia& I, const Motion<S>& a) {
-    return {I.J * a.angular + I.H * a.linear, transpose_times(I.H, a.angular) + I.M * a.linear};
+    return {plus_product(I.J * a.angular, I.H, a.linear),
+            plus_product(transpose_times(I.H, a.angular), I.M, a.linear)};
   }
 };
+
+/// f + M* a. 72 operations.
+template <class S>
+inline Wrench<S> plus_product(const Wrench<S>& f, const ArticulatedInertia<S>& I, const Motion<S>& a) {
+  return {plus_product(plus_product(f.moment, I.J, a.angular), I.H, a.linear),
+          plus_product(plus_transpose_product(f.force, I.H, a.angular), I.M, a.linear)};
+}
 
 /// M* C for one column; 30 operations when the column is a pure rotation or translation.
 template <class S>
@@ -177,17 +188,19 @@ template <class S>
 inline ArticulatedInertia<S> moved_inward(const Vec3<S>& r, const ArticulatedInertia<S>& I) {
   const Mat3<S>& H = I.H;
   // X = H + [r]× M, the block that couples moment and linear acceleration about the new point
-  const Mat3<S> X = {H.x + cross(r, Vec3<S>{I.M.xx, I.M.xy, I.M.xz}), H.y + cross(r, Vec3<S>{I.M.xy, I.M.yy, I.M.yz}),
-                     H.z + cross(r, Vec3<S>{I.M.xz, I.M.yz, I.M.zz})};
+  const Mat3<S> X = {plus_cross(H.x, r, Vec3<S>{I.M.xx, I.M.xy, I.M.xz}),
+                     plus_cross(H.y, r, Vec3<S>{I.M.xy, I.M.yy, I.M.yz}),
+                     plus_cross(H.z, r, Vec3<S>{I.M.xz, I.M.yz, I.M.zz})};
   // J' = J + [r]× Hᵀ − X [r]×, symmetric: six entries
-  Sym3<S> J = I.J;
-  J.xx += (r.y * H.z.x - r.z * H.y.x) - (X.y.x * r.z - X.z.x * r.y);
-  J.yy += (r.z * H.x.y - r.x * H.z.y) - (X.z.y * r.x - X.x.y * r.z);
-  J.zz += (r.x * H.y.z - r.y * H.x.z) - (X.x.z * r.y - X.y.z * r.x);
-  J.xy += (r.y * H.z.y - r.z * H.y.y) - (X.z.x * r.x - X.x.x * r.z);
-  J.xz += (r.y * H.z.z - r.z * H.y.z) - (X.x.x * r.y - X.y.x * r.x);
-  J.yz += (r.z * H.x.z - r.x * H.z.z) - (X.x.y * r.y - X.y.y * r.x);
-  return {J, X, I.M};
+  const Sym3<S>& J = I.J;
+  return {{J.xx + r.y * H.z.x - r.z * H.y.x - r.z * X.y.x + r.y * X.z.x,
+           J.yy + r.z * H.x.y - r.x * H.z.y - r.x * X.z.y + r.z * X.x.y,
+           J.zz + r.x * H.y.z - r.y * H.x.z - r.y * X.x.z + r.x * X.y.z,
+           J.xy + r.y * H.z.y - r.z * H.y.y - r.x * X.z.x + r.z * X.x.x,
+           J.xz + r.y * H.z.z - r.z * H.y.z - r.y * X.x.x + r.x * X.y.x,
+           J.yz + r.z * H.x.z - r.x * H.z.z - r.y * X.x.y + r.x * X.y.y},
+          X,
+          I.M};
 }
 
 }  // namespace lanc

@@ -37,6 +37,13 @@ inline Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// c + a × b. As many operations as the sum, but in an order of which fused multiply-add takes two at a time: two
+/// instructions a number, not three. So with products below.
+template <class S>
+inline Vec3<S> plus_cross(const Vec3<S>& c, const Vec3<S>& a, const Vec3<S>& b) {
+  return {c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x};
+}
+
 /// The same vector on another scalar; no operation.
 template <class S, class T>
 inline Vec3<S> cast(const Vec3<T>& a) {
@@ -55,10 +62,24 @@ struct Mat3 {
   friend Mat3 operator*(const Mat3& m, const Mat3& n) { return {m * n.x, m * n.y, m * n.z}; }
 };
 
+/// c + m a.
+template <class S>
+inline Vec3<S> plus_product(const Vec3<S>& c, const Mat3<S>& m, const Vec3<S>& a) {
+  return {c.x + m.x.x * a.x + m.y.x * a.y + m.z.x * a.z, c.y + m.x.y * a.x + m.y.y * a.y + m.z.y * a.z,
+          c.z + m.x.z * a.x + m.y.z * a.y + m.z.z * a.z};
+}
+
 /// mᵀ a.
 template <class S>
 inline Vec3<S> transpose_times(const Mat3<S>& m, const Vec3<S>& a) {
   return {dot(m.x, a), dot(m.y, a), dot(m.z, a)};
+}
+
+/// c + mᵀ a.
+template <class S>
+inline Vec3<S> plus_transpose_product(const Vec3<S>& c, const Mat3<S>& m, const Vec3<S>& a) {
+  return {c.x + m.x.x * a.x + m.x.y * a.y + m.x.z * a.z, c.y + m.y.x * a.x + m.y.y * a.y + m.y.z * a.z,
+          c.z + m.z.x * a.x + m.z.y * a.y + m.z.z * a.z};
 }
 
 template <class S>
@@ -95,6 +116,13 @@ struct Sym3 {
             m.xz * a.x + m.yz * a.y + m.zz * a.z};
   }
 };
+
+/// c + m a.
+template <class S>
+inline Vec3<S> plus_product(const Vec3<S>& c, const Sym3<S>& m, const Vec3<S>& a) {
+  return {c.x + m.xx * a.x + m.xy * a.y + m.xz * a.z, c.y + m.xy * a.x + m.yy * a.y + m.yz * a.z,
+          c.z + m.xz * a.x + m.yz * a.y + m.zz * a.z};
+}
 
 template <class S, class T>
 inline Sym3<S> cast(const Sym3<T>& m) {

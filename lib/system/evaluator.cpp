@@ -109,8 +109,8 @@ void Evaluator<S>::weigh(int block) {
   const Vec3<B> h = R * cast<B>(masses.h);
   const Sym3<B> J = rotated(R, masses.J);
   // f̂^c = [(J ω) × ω; (ω × h) × ω], f̂^t = [h × g; m g]
-  const Vec3<B> moment = cross(J * w, w) + cross(h, cast<B>(system_.model.gravity())),
-                force = cross(cross(w, h), w) + cast<B>(masses.weight);
+  const Vec3<B> moment = plus_cross(cross(J * w, w), h, cast<B>(system_.model.gravity())),
+                force = plus_cross(cast<B>(masses.weight), cross(w, h), w);
   bodies_from_lanes<S>(h, J, {moment, force}, first, last, system_);
 }
 
