@@ -70,17 +70,10 @@ class Pack {
     return of(reinterpret_cast<Vector>(reinterpret_cast<Bits>(a.v_) & ~(Bits{} + (Bit{1} << (8 * sizeof(T) - 1)))));
   }
   friend Pack larger(const Pack& a, const Pack& b) { return of(a.v_ > b.v_ ? a.v_ : b.v_); }
-  /// The larger one of `size`, which is not negative, and |a|; a NaN stays. Without their signs, floating-point numbers
-  /// are in the order of their bits, for which processors have a maximum that g++ 12 uses.
-  friend Pack larger_magnitude(const Pack& size, const Pack& a) {
-    const auto x = reinterpret_cast<SignedBits>(size.v_), y = reinterpret_cast<SignedBits>(magnitude(a).v_);
-    return of(reinterpret_cast<Vector>(x > y ? x : y));
-  }
-  /// No lane is above 0, or NaN?
-  friend bool none_above_zero(const Pack& a) {
-    const auto above = reinterpret_cast<Bits>(!(a.v_ <= Vector{}));
+  /// Is every lane 0?
+  friend bool vanishes(const Pack& a) {
     for (int k = 0; k < N; ++k)
-      if (above[k]) return false;
+      if (a.v_[k] != 0) return false;
     return true;
   }
   /// The first `count` lanes of a, 0 in the others, whatever stands there.
@@ -113,7 +106,6 @@ class Pack {
   typedef T Vector __attribute__((vector_size(N * sizeof(T))));
   using Bit = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
   typedef Bit Bits __attribute__((vector_size(N * sizeof(T))));
-  typedef std::make_signed_t<Bit> SignedBits __attribute__((vector_size(N * sizeof(T))));
   static Pack of(const Vector& v) {
     Pack p;
     p.v_ = v;
@@ -154,10 +146,7 @@ requires(N* static_cast<int>(sizeof(T)) > register_bytes) class alignas(N * size
   friend Pack cos(const Pack& a) { return {cos(a.low_), cos(a.high_)}; }
   friend Pack magnitude(const Pack& a) { return {magnitude(a.low_), magnitude(a.high_)}; }
   friend Pack larger(const Pack& a, const Pack& b) { return {larger(a.low_, b.low_), larger(a.high_, b.high_)}; }
-  friend Pack larger_magnitude(const Pack& size, const Pack& a) {
-    return {larger_magnitude(size.low_, a.low_), larger_magnitude(size.high_, a.high_)};
-  }
-  friend bool none_above_zero(const Pack& a) { return none_above_zero(a.low_) && none_above_zero(a.high_); }
+  friend bool vanishes(const Pack& a) { return vanishes(a.low_) && vanishes(a.high_); }
   friend Pack first_lanes(const Pack& a, int count) {
     return {first_lanes(a.low_, count), first_lanes(a.high_, count - N / 2)};
   }

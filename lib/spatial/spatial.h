@@ -96,6 +96,13 @@ struct RigidInertia {
   }
 };
 
+/// f + M a. 48 operations.
+template <class S>
+inline Wrench<S> plus_product(const Wrench<S>& f, const RigidInertia<S>& M, const Motion<S>& a) {
+  return {plus_cross(plus_product(f.moment, M.J, a.angular), M.h, a.linear),
+          plus_cross(f.force + a.linear * M.mass, a.angular, M.h)};
+}
+
 /// M C for one column; 24 operations when the column is a pure rotation, 12 when it is a pure translation.
 template <class S>
 inline Wrench<S> times_column(const RigidInertia<S>& M, ColumnKind kind, const Motion<S>& column) {

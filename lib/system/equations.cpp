@@ -19,7 +19,7 @@ void sweep_outward(const System<S>& system, const RightHandSide<S>& rhs, Solutio
       for (int k = link.v; k < link.v + link.nv; ++k)
         add_along(system.model.column_kind(k), system.columns[k], solution.vdot[k], a);
     solution.acceleration[i] = before = a;
-    if constexpr (with_wrenches) solution.wrench[i] = system.bodies[i].inertia * a - rhs.force[i];
+    if constexpr (with_wrenches) solution.wrench[i] = plus_product(-rhs.force[i], system.bodies[i].inertia, a);
   }
 }
 
@@ -85,7 +85,8 @@ void bias_accelerations(const System<S>& system, const RightHandSide<S>& rhs, So
 template <class S>
 void wrenches(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   const int n = system.model.bodies();
-  for (int i = 0; i < n; ++i) solution.wrench[i] = system.bodies[i].inertia * solution.acceleration[i] - rhs.force[i];
+  for (int i = 0; i < n; ++i)
+    solution.wrench[i] = plus_product(-rhs.force[i], system.bodies[i].inertia, solution.acceleration[i]);
   if (system.model.has_closures()) add_closure_wrenches(system, solution.lambda, S(-1.0), solution.wrench);
   sweep_inward(system, solution);
 }

@@ -77,6 +77,16 @@ TYPED_TEST(PackOf, keeps_its_first_lanes_and_has_zeros_behind_them_whatever_stoo
   }
 }
 
+TYPED_TEST(PackOf, vanishes_when_every_lane_is_zero) {
+  using P = TypeParam;
+  EXPECT_TRUE(vanishes(P(0)));
+  EXPECT_TRUE(vanishes(-P(0)));
+  for (int lane = 0; lane < P::lanes; ++lane) {
+    EXPECT_FALSE(vanishes(P(0).with_lane(lane, std::numeric_limits<decltype(P()[0])>::denorm_min())));
+    EXPECT_FALSE(vanishes(P(0).with_lane(lane, not_a_number)));
+  }
+}
+
 TYPED_TEST(PackOf, is_loaded_from_and_stored_to_numbers_that_follow_one_another) {
   using P = TypeParam;
   using T = decltype(P()[0]);

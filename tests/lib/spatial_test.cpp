@@ -81,6 +81,11 @@ TEST_F(Spatial, vectors_and_matrices_are_those_of_linear_algebra) {
   expect_equal("transpose times", to_eigen(transpose_times(m, a)), to_eigen(m).transpose() * to_eigen(a));
   const Sym3<double> s = symmetric();
   expect_equal("symmetric", to_eigen(s * a), dense(s) * to_eigen(a));
+  const Eigen::Vector3d c = to_eigen(b);
+  expect_equal("c + a x d", to_eigen(plus_cross(b, a, m.x)), c + to_eigen(a).cross(to_eigen(m.x)));
+  expect_equal("c + m a", to_eigen(plus_product(b, m, a)), c + to_eigen(m) * to_eigen(a));
+  expect_equal("c + transpose a", to_eigen(plus_transpose_product(b, m, a)), c + to_eigen(m).transpose() * to_eigen(a));
+  expect_equal("c + symmetric a", to_eigen(plus_product(b, s, a)), c + dense(s) * to_eigen(a));
   expect_equal("rotated", dense(rotated(m, s)), to_eigen(m) * dense(s) * to_eigen(m).transpose());
 }
 
@@ -146,6 +151,9 @@ TEST_F(Spatial, inertias_are_symmetric_6_by_6_matrices) {
   const Motion<double> a = motion();
   expect_equal("M a", dense(R * a), dense(R) * dense(a));
   expect_equal("M* a", dense(I * a), dense(I) * dense(a));
+  const Wrench<double> f{vector(), vector()};
+  expect_equal("f + M a", dense(plus_product(f, R, a)), dense(f) + dense(R) * dense(a));
+  expect_equal("f + M* a", dense(plus_product(f, I, a)), dense(f) + dense(I) * dense(a));
   expect_equal("expanded", dense(expanded(R)), dense(R));
   ArticulatedInertia<double> sum = I;
   add(sum, R);
