@@ -58,7 +58,7 @@ class LoopFactors {
 
  private:
   void start(const System<S>& system);
-  bool eliminate(const System<S>& system, std::span<const char> counts);
+  [[gnu::flatten]] bool eliminate(const System<S>& system, std::span<const char> counts);
   void eliminate_body(const System<S>& system, const BodyStep& step);
   void eliminate_columns(const System<S>& system, const BodyStep& step);
   void release_columns(const System<S>& system, const BodyStep& step);

@@ -114,7 +114,7 @@ void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& 
   rest = load_[i];
   if (pass != Pass::correction) {
     const Motion<S>& bias = task.rhs.bias[i];
-    rest -= factors.star(i) * bias;
+    rest = plus_product(rest, factors.star(i), -bias);
     load_[i] = rest;
     const Wrench<Rows>* const e = factors.columns(step.first_column);
     for (int at = around.begin; at < around.end; ++at) {
@@ -178,11 +178,11 @@ void LoopSubstitution<S, width>::backward_body(const Task& task, const BodyStep&
     const Motion<S> whole = a + task.rhs.bias[i];
     solution.acceleration[i] = whole;
     if (pass == Pass::first) {  // for the residual
-      load_[i] = task.rhs.force[i] - task.system.bodies[i].inertia * whole;
+      load_[i] = plus_product(task.rhs.force[i], task.system.bodies[i].inertia, -whole);
       return;
     }
   }
-  Wrench<S> f = factors.star(i) * a - load_[i];
+  Wrench<S> f = plus_product(-load_[i], factors.star(i), a);
   const Wrench<Rows>* const e = factors.columns(step.first_column);
   for (int at = around.begin; at < around.end; ++at) {
     const Attachment& m = attachments[at];
