@@ -96,11 +96,11 @@ void LoopFactors<S, width>::eliminate_body(const System<S>& system, const BodySt
   }
   ArticulatedInertia<S> rest;
   rest = M;
-  for_each_freedom(
-      step.nv, [&](int k) __attribute__((always_inline)) {
-        const Wrench<S> U = release(step.v + k, rest);
-        subtract_outer(rest, freedoms_[step.v + k].D, U);
-      });
+  const auto subtract = [&](int k) __attribute__((always_inline)) {
+    const Wrench<S> U = release(step.v + k, rest);
+    subtract_outer(rest, freedoms_[step.v + k].D, U);
+  };
+  for_each_freedom(step.nv, subtract);
   if (step.parent != ground) {
     if (step.first_to_parent)
       star_[step.parent] = moved_inward(system.bodies[step.body].r, rest);
@@ -121,17 +121,17 @@ void LoopFactors<S, width>::eliminate_columns(const System<S>& system, const Bod
     const int rows = count<width>(both.first_strips) * width, strips = count<width>(both.second_strips);
     Rows* const block = delassus_.data() + both.block;
     if (both.first_there && step.nv == 0) std::fill_n(block, rows * strips, Rows(0.0));
-    for_each_freedom(
-        step.nv, [&](int k) __attribute__((always_inline)) {
-          const Rows* const first = scratch_.data() + k * w + both.first;
-          const Rows* const second = responses_.data() + step.responses + k * w + both.second;
-          const bool fresh = both.first_there && k == 0;
-          for (int x = 0; x < rows; ++x)
-            for (int y = 0; y < strips; ++y) {
-              const Rows product = second[y] * Rows(lane<width>(first[x / width], x % width));
-              block[x * strips + y] = fresh ? product : block[x * strips + y] + product;
-            }
-        });
+    const auto respond = [&](int k) __attribute__((always_inline)) {
+      const Rows* const first = scratch_.data() + k * w + both.first;
+      const Rows* const second = responses_.data() + step.responses + k * w + both.second;
+      const bool fresh = both.first_there && k == 0;
+      for (int x = 0; x < rows; ++x)
+        for (int y = 0; y < strips; ++y) {
+          const Rows product = second[y] * Rows(lane<width>(first[x / width], x % width));
+          block[x * strips + y] = fresh ? product : block[x * strips + y] + product;
+        }
+    };
+    for_each_freedom(step.nv, respond);
   }
 }
 

@@ -114,7 +114,7 @@ void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& 
   rest = load_[i];
   if (pass != Pass::correction) {
     const Motion<S>& bias = task.rhs.bias[i];
-    rest = plus_product(rest, factors.star(i), -bias);
+    rest -= factors.star(i) * bias;  // the product does not wait for what children hand on
     load_[i] = rest;
     const Wrench<Rows>* const e = factors.columns(step.first_column);
     for (int at = around.begin; at < around.end; ++at) {
@@ -124,23 +124,23 @@ void LoopSubstitution<S, width>::forward_body(const Task& task, const BodyStep& 
     }
   }
   if (step.parent == ground && step.nv == 0) return;
-  for_each_freedom(
-      step.nv, [&](int k) __attribute__((always_inline)) {
-        const int v = step.v + k;
-        S torque = task.rhs.tau[v] + project(factors.kind(v), task.system.columns[v], rest);
-        if (pass == Pass::correction) {
-          if (factors.model().has_armature()) torque -= S(factors.model().armature()[v]) * task.solution.vdot[v];
-          for (int t = step.terms.begin; t < step.terms.end; ++t)
-            if (plan.terms[t].freedom == k) torque += S(plan.terms[t].factor) * task.solution.lambda[plan.terms[t].row];
-        }
-        start_[v] = torque * factors.freedom(v).inverse;
-        if (step.parent != ground || k + 1 < step.nv) rest -= factors.freedom(v).D * torque;
-        const Rows* const response = factors.responses(step, k);
-        for (int at = around.begin; at < around.end; ++at) {
-          const Attachment& a = attachments[at];
-          for (int s = 0; s < count<width>(a.strips); ++s) gamma_[a.strip + s] += response[a.column + s] * Rows(torque);
-        }
-      });
+  const auto release = [&](int k) __attribute__((always_inline)) {
+    const int v = step.v + k;
+    S torque = task.rhs.tau[v] + project(factors.kind(v), task.system.columns[v], rest);
+    if (pass == Pass::correction) {
+      if (factors.model().has_armature()) torque -= S(factors.model().armature()[v]) * task.solution.vdot[v];
+      for (int t = step.terms.begin; t < step.terms.end; ++t)
+        if (plan.terms[t].freedom == k) torque += S(plan.terms[t].factor) * task.solution.lambda[plan.terms[t].row];
+    }
+    start_[v] = torque * factors.freedom(v).inverse;
+    if (step.parent != ground || k + 1 < step.nv) rest -= factors.freedom(v).D * torque;
+    const Rows* const response = factors.responses(step, k);
+    for (int at = around.begin; at < around.end; ++at) {
+      const Attachment& a = attachments[at];
+      for (int s = 0; s < count<width>(a.strips); ++s) gamma_[a.strip + s] += response[a.column + s] * Rows(torque);
+    }
+  };
+  for_each_freedom(step.nv, release);
   if (step.parent != ground) load_[step.parent] += moved_inward(task.system.bodies[i].r, rest);
 }
 
@@ -156,24 +156,23 @@ void LoopSubstitution<S, width>::backward_body(const Task& task, const BodyStep&
   if (!at_rest)
     a = moved_outward(task.system.bodies[i].r,
                       pass == Pass::correction ? delta_[step.parent] : solution.acceleration[step.parent]);
-  for_each_freedom(
-      step.nv, [&](int freedom) __attribute__((always_inline)) {
-        const int k = step.nv - 1 - freedom;
-        const int v = step.v + k;
-        S vdot = start_[v];
-        if (!at_rest || k != step.nv - 1) vdot -= dot(a, factors.freedom(v).D);
-        const Rows* const response = factors.responses(step, k);
-        for (int at = around.begin; at < around.end; ++at) {
-          const Attachment& m = attachments[at];
-          for (int s = 0; s < count<width>(m.strips); ++s)
-            vdot += sum_of_lanes<width>(response[m.column + s] * lambda_[m.strip + s]);
-        }
-        if (pass == Pass::correction)
-          solution.vdot[v] += vdot;
-        else
-          solution.vdot[v] = vdot;
-        add_along(factors.kind(v), task.system.columns[v], vdot, a);
-      });
+  const auto move = [&](int freedom) __attribute__((always_inline)) {
+    const int k = step.nv - 1 - freedom, v = step.v + k;
+    S vdot = start_[v];
+    if (!at_rest || k != step.nv - 1) vdot -= dot(a, factors.freedom(v).D);
+    const Rows* const response = factors.responses(step, k);
+    for (int at = around.begin; at < around.end; ++at) {
+      const Attachment& m = attachments[at];
+      for (int s = 0; s < count<width>(m.strips); ++s)
+        vdot += sum_of_lanes<width>(response[m.column + s] * lambda_[m.strip + s]);
+    }
+    if (pass == Pass::correction)
+      solution.vdot[v] += vdot;
+    else
+      solution.vdot[v] = vdot;
+    add_along(factors.kind(v), task.system.columns[v], vdot, a);
+  };
+  for_each_freedom(step.nv, move);
   if (pass == Pass::correction) {
     delta_[i] = a;
     solution.acceleration[i] += a;

@@ -16,12 +16,14 @@ Evaluator<S>::Evaluator(const Model& model)
       masses_(blocks_of<S>(model.bodies())),
       origin_velocities_(model.bodies()),
       motions_(model.drives()),
+      sampled_(model.angles().begin(), model.angles().end()),
       angles_(lanes * blocks_of<S>(static_cast<int>(model.angles().size())), S(0.0)),  // whole blocks
       sines_(angles_.size()),
       cosines_(angles_.size()),
       closure_blocks_(closure_blocks(model.closures())),
       positions_(model.bodies()),
       twists_(model.bodies()) {
+  if (!sampled_.empty()) sampled_.resize(angles_.size(), sampled_.back());
   // Columns of pure rotations and translations keep these zeros; step() writes the other half only.
   for (auto& column : system_.columns) column = {{S(0.0), S(0.0), S(0.0)}, {S(0.0), S(0.0), S(0.0)}};
   for (auto& column : system_.drive_columns) column = {{S(0.0), S(0.0), S(0.0)}, {S(0.0), S(0.0), S(0.0)}};
@@ -153,13 +155,15 @@ void Evaluator<S>::sample_motions(double t) {
 
 template <class S>
 void Evaluator<S>::sample_angles(const State<S>& state) {
-  const std::span<const int> angles = system_.model.angles();
-  const auto angle = [&](int k) { return angles[k] >= 0 ? state.q[angles[k]] : S(motions_[-1 - angles[k]].position); };
-  // In whole blocks, the last angle filling the last one up: what is written number by number is late for a block.
-  const int width = lanes, n = static_cast<int>(angles.size());
+  // In whole blocks: what is written number by number is late for a block.
+  constexpr int width = lanes;
+  const int n = static_cast<int>(sampled_.size());
   for (int first = 0; first < n; first += width) {
     B block;
-    for (int k = 0; k < width; ++k) PackedScalar<S>::set(block, k, angle(std::min(first + k, n - 1)));
+    for (int k = 0; k < width; ++k) {
+      const int from = sampled_[first + k];
+      PackedScalar<S>::set(block, k, from >= 0 ? state.q[from] : S(motions_[-1 - from].position));
+    }
     store_block<S>(block, angles_.data() + first);
   }
   sines_and_cosines(angles_.data(), sines_.data(), cosines_.data(), static_cast<int>(angles_.size()));

@@ -65,7 +65,8 @@ class Evaluator {
   std::vector<Masses> masses_;
   std::vector<Vec3<S>> origin_velocities_;  // C η of the origins of joints that move them, for twists()
   std::vector<MotionSample> motions_;
-  std::vector<S> angles_, sines_, cosines_;  // as Model::angles()
+  std::vector<int> sampled_;  // Model::angles(), the last one filling whole blocks up
+  std::vector<S> angles_, sines_, cosines_;
   std::vector<ClosureBlock> closure_blocks_;
   MovingBody<B> ends_a_{}, ends_b_{};  // of a block of closures
   std::vector<Vec3<S>> positions_;
