@@ -36,8 +36,8 @@ class LoopSubstitution {
   void forward(const Task& task, Pass pass);
   void backward(const Task& task, Pass pass);
   void residual_of_closures(const Task& task);
-  [[gnu::noinline, gnu::noclone]] void forward_body(const Task& task, const BodyStep& step, Pass pass);
-  [[gnu::noinline, gnu::noclone]] void backward_body(const Task& task, const BodyStep& step, Pass pass);
+  [[gnu::noinline]] void forward_body(const Task& task, const BodyStep& step, Pass pass);
+  [[gnu::noinline]] void backward_body(const Task& task, const BodyStep& step, Pass pass);
   void forward_closure(const LoopFactors<S, width>& factors, const ClosureStep& step);
   void backward_closure(const LoopFactors<S, width>& factors, const ClosureStep& step, const std::vector<Motion<S>>& a);
 

@@ -15,8 +15,8 @@ class Recursion {
   explicit Recursion(const Model& model);
   void factorise(const System<S>& system);
   void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
-  /// Both, with the right-hand side of the system. Loads climb along with the inertias, where processors have time for
-  /// them; what a body consists of is fetched once. A batch of chains takes 0.9 of the time.
+  /// Both, with the right-hand side of the system. Loads climb along with the inertias, and what a body consists of is
+  /// fetched once: on packs 0.86 (100 bodies) to 0.91 (6) of the time of the two.
   void solve(const System<S>& system, Solution<S>& solution);
 
   /// M*_i: what body i and all it carries weigh at its reference point. Valid after factorise().
@@ -134,7 +134,8 @@ void Recursion<S>::substitute(const System<S>& system, const RightHandSide<S>& r
 
 template <class S>
 void Recursion<S>::solve(const System<S>& system, Solution<S>& solution) {
-  climb(system, [&](int i) __attribute__((always_inline)) { take_load(i, system, system.rhs, solution.wrench); });
+  climb(
+      system, [&](int i) __attribute__((always_inline)) { take_load(i, system, system.rhs, solution.wrench); });
   accelerate(system, system.rhs, solution);
 }
 

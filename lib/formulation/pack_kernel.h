@@ -45,8 +45,7 @@ class PackKernel final : public BatchKernel {
  private:
   using Rows = std::array<P, P::lanes>;
 
-  /// The numbers of the next states, to be read (0) or written (1): from memory they would come late, a third of the
-  /// time of short chains.
+  /// The numbers of the next states, to be read (0) or written (1): from memory they would come late.
   template <int use>
   static void call_for(std::span<const double> numbers, std::ptrdiff_t first, int size) {
     constexpr int line = 8;
