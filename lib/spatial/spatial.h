@@ -133,8 +133,7 @@ struct ArticulatedInertia {
 
   /// M* a. 66 operations.
   friend Wrench<S> operator*(const ArticulatedInertia& I, const Motion<S>& a) {
-    return {plus_product(I.J * a.angular, I.H, a.linear),
-            plus_product(transpose_times(I.H, a.angular), I.M, a.linear)};
+    return {plus_product(I.J * a.angular, I.H, a.linear), plus_product(transpose_times(I.H, a.angular), I.M, a.linear)};
   }
 };
 
