@@ -92,12 +92,13 @@ void measure(Experiment& e, const std::string& name, const FormulationInfo& info
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Batch alone(m.model, info, {1}), together(m.model, info, {cores});
   BatchAnswers answers, answers_together;  // none waits for lines that another core has written
-  const auto way = [&](int lanes, int threads) {
+  const auto parameters = [&](int lanes, int threads) {
     return fmt::format("lanes={};threads={};states={}", lanes, threads, count);
   };
-  std::vector<Way> ways = {{way(1, 1), [&] { one_by_one.solve(); }},
-                           {way(alone.lanes(), 1), [&] { alone.solve(cloud.states, answers); }}};
-  if (cores > 1) ways.push_back({way(alone.lanes(), cores), [&] { together.solve(cloud.states, answers_together); }});
+  std::vector<Way> ways = {{parameters(1, 1), [&] { one_by_one.solve(); }},
+                           {parameters(alone.lanes(), 1), [&] { alone.solve(cloud.states, answers); }}};
+  if (cores > 1)
+    ways.push_back({parameters(alone.lanes(), cores), [&] { together.solve(cloud.states, answers_together); }});
   alone.solve(cloud.states, answers);
   const auto solved = std::count_if(answers.status.begin(), answers.status.end(), usable);
   for (int r = -1; r < e.options().repetitions; ++r)  // the first warms up
@@ -133,7 +134,7 @@ int main(int argc, char** argv) {
                                                   "chain:100", "tree:63",  "tree:1023", "chain:20:joint=spherical"};
                              },
                          .formulations = [](const FormulationInfo& info) { return info.create_kernel != nullptr; }});
-  experiment.option("--states", states, "states in a batch; 0: as many as have 100 000 bodies together");
+  experiment.option("--states", states, "states in a batch; 0: as many as have 100 000 bodies together, at least 64");
   return experiment.run(argc, argv, [&](Experiment& e) {
     if (states < 0) throw InputError(fmt::format("--states {}: give a number of states, or 0", states));
     TextTable table(

@@ -19,7 +19,7 @@ class Recursion {
   /// fetched once: on packs 0.86 (100 bodies) to 0.91 (6) of the time of the two.
   void solve(const System<S>& system, Solution<S>& solution);
 
-  /// M*_i: what body i and all it carries weigh at its reference point. Valid after factorise().
+  /// M*_i: what body i and all it carries weigh at its reference point. Valid after factorise() or solve().
   const ArticulatedInertia<S>& articulated_inertia(int body) const { return star_[body]; }
 
  private:
@@ -80,7 +80,8 @@ template <class Then>
   }
 }
 
-/// Step 2, load of body i: f* − M* ā^rel, and what of it goes on to the parent.
+/// Step 2, load of body i: f* − M* ā^rel, and what of it goes on to the parent. `load` has both until f̂ takes its
+/// place.
 template <class S>
 [[gnu::always_inline]] inline void Recursion<S>::take_load(int i, const System<S>& system, const RightHandSide<S>& rhs,
                                                            std::vector<Wrench<S>>& load) {
@@ -101,7 +102,8 @@ template <class S>
     load[link.parent] += moved_inward(system.bodies[i].r, f);
 }
 
-/// Steps 3 and 4: root to leaf. A joint's columns are taken in reverse, the last released one first.
+/// Steps 3 and 4: root to leaf; solution.wrench: f* − M* ā^rel on entry, f̂ on return. A joint's columns are taken in
+/// reverse, the last released one first.
 template <class S>
 void Recursion<S>::accelerate(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   const Model& model = model_;

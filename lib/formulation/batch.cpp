@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "lib/model/error.h"
 #include "lib/system/evaluator.h"
@@ -31,7 +32,6 @@ struct Batch::Workspace {
   Evaluator<double> evaluator;
   std::unique_ptr<Formulation<double>> formulation;
   Solution<double> solution;
-  std::vector<std::pair<int, Outcome>> outcomes;  // of states that it has solved one by one
 
   Workspace(const Model& model, const FormulationInfo& info, bool in_packs)
       : kernel(in_packs ? info.create_kernel(model) : nullptr),
@@ -40,15 +40,16 @@ struct Batch::Workspace {
         solution(model) {}
 
   /// One state by itself, with all that Formulation::solve() looks at.
-  void solve(const Model& model, const BatchStates& states, int k, bool all_outputs, BatchAnswers& answers) {
+  Outcome solve(const Model& model, const BatchStates& states, int k, bool all_outputs, BatchAnswers& answers) {
     const System<double>& system = evaluator.system(states.state(model, k), states.loads(model, k));
-    outcomes.emplace_back(k, formulation->solve(system, solution));
-    answers.status[k] = outcomes.back().second.status;
+    Outcome outcome = formulation->solve(system, solution);
+    answers.status[k] = outcome.status;
     const std::ptrdiff_t nv = model.nv(), n = model.bodies();
     std::copy(solution.vdot.begin(), solution.vdot.end(), answers.vdot.begin() + k * nv);
-    if (!all_outputs) return;
+    if (!all_outputs) return outcome;
     std::copy(solution.acceleration.begin(), solution.acceleration.end(), answers.acceleration.begin() + k * n);
     std::copy(solution.wrench.begin(), solution.wrench.end(), answers.wrench.begin() + k * n);
+    return outcome;
   }
 };
 
@@ -66,22 +67,26 @@ struct Batch::Work {
         arena(o.threads > 0 ? o.threads : tbb::task_arena::automatic),
         workspaces([m, info, packs = in_packs] { return Workspace(m, info, packs); }) {}
 
-  void solve(const BatchStates& states, int first, int count, BatchAnswers& answers) {
+  void solve(const BatchStates& states, int first, int count, BatchAnswers& answers, std::mutex& outcomes) {
     Workspace& own = workspaces.local();
     const unsigned good = in_packs ? own.kernel->solve(states, first, count, options, answers) : 0;
     for (int k = 0; k < count; ++k) {
-      if (good >> k & 1)
+      if (good >> k & 1) {
         answers.status[first + k] = Status::solved;
-      else
-        own.solve(model, states, first + k, options.all_outputs, answers);
+        continue;
+      }
+      Outcome outcome = own.solve(model, states, first + k, options.all_outputs, answers);
+      const std::lock_guard lock(outcomes);
+      answers.outcome.emplace(first + k, std::move(outcome));
     }
   }
 
   void solve_all(const BatchStates& states, int count, BatchAnswers& answers) {
     const int lanes = in_packs ? workspaces.local().kernel->lanes() : 1, packs = (count + lanes - 1) / lanes;
+    std::mutex outcomes;
     const auto some = [&](int first_pack, int last_pack) {
       for (int p = first_pack; p < last_pack; ++p)
-        solve(states, p * lanes, std::min(lanes, count - p * lanes), answers);
+        solve(states, p * lanes, std::min(lanes, count - p * lanes), answers, outcomes);
     };
     if (options.threads == 1) return some(0, packs);
     arena.execute([&] {
@@ -109,13 +114,11 @@ void Batch::solve(const BatchStates& states, BatchAnswers& answers) {
                     "and {} velocities (torques: as many, or none)",
                     states.q.size(), states.v.size(), states.tau.size(), nq, nv));
   answers.vdot.resize(count * nv);
-  answers.status.resize(count);
-  if (work_->options.all_outputs) answers.acceleration.resize(count * n), answers.wrench.resize(count * n);
+  answers.status.assign(count, Status::not_converged);
   answers.outcome.clear();
-  for (Workspace& workspace : work_->workspaces) workspace.outcomes.clear();
+  answers.acceleration.resize(work_->options.all_outputs ? count * n : 0);
+  answers.wrench.resize(work_->options.all_outputs ? count * n : 0);
   work_->solve_all(states, static_cast<int>(count), answers);
-  for (Workspace& workspace : work_->workspaces)
-    for (auto& [k, outcome] : workspace.outcomes) answers.outcome.emplace(k, std::move(outcome));
 }
 
 }  // namespace lanc

@@ -24,8 +24,10 @@ struct BatchAnswers {
   std::vector<double> vdot;
   std::vector<Motion<double>> acceleration;
   std::vector<Wrench<double>> wrench;
-  std::vector<Status> status;      // of every state; numbers of one that is not usable() must not be used
-  std::map<int, Outcome> outcome;  // in full, with messages: of the states that were solved one by one
+  std::vector<Status> status;  // of every state; numbers of one that is not usable() must not be used, but see Outcome
+  /// In full, with messages, of the states that were solved one by one, among them all that are not `solved`. Ask by
+  /// find() or at().
+  std::map<int, Outcome> outcome;
 };
 
 struct BatchOptions {
@@ -44,7 +46,7 @@ class BatchKernel {
                          BatchAnswers& answers) = 0;
 };
 
-/// Every state gets the answer and the outcome that Formulation::solve() gives it, to rounding. What a state lacks (a
+/// Every state gets the answer and the status that Formulation::solve() gives it, to rounding. What a state lacks (a
 /// NaN, a singular configuration) concerns no other: states that do not pass the first look of a kernel, and all where
 /// loops are closed, inertias are singular or the formulation has no kernel, are solved one by one by
 /// Formulation::solve(). A thread allocates what it works with at its first state; states that are solved one by one

@@ -34,6 +34,7 @@ class PackKernel final : public BatchKernel {
     phases_.solve(system, solution_);
     const P excess = judgement::first_look(system, solution_);
     scatter(solution_.vdot, first, count, answers.vdot);
+    static_assert(P::lanes <= 32);  // bits of what is returned
     unsigned good = 0;
     for (int lane = 0; lane < count; ++lane) {
       if (options.all_outputs) scatter_bodies(first + lane, lane, answers);

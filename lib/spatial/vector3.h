@@ -17,7 +17,7 @@ struct Vec3 {
   constexpr Vec3(const S& a, const S& b, const S& c) : x(a), y(b), z(c) {}
   // Copies are written out here and for Sym3. By wide loads they wait for the narrow stores that have just written what
   // they read, 6 % of the recursion; and vectors of packs g++ 12 copies through memory, a tenth of their kinematics.
-  Vec3(const Vec3& b) : x(b.x), y(b.y), z(b.z) {}
+  constexpr Vec3(const Vec3& b) : x(b.x), y(b.y), z(b.z) {}
   Vec3& operator=(const Vec3& b) { return x = b.x, y = b.y, z = b.z, *this; }
   Vec3& operator+=(const Vec3& b) { return x += b.x, y += b.y, z += b.z, *this; }
   Vec3& operator-=(const Vec3& b) { return x -= b.x, y -= b.y, z -= b.z, *this; }
@@ -105,7 +105,7 @@ struct Sym3 {
   Sym3() = default;
   constexpr Sym3(const S& a, const S& b, const S& c, const S& d, const S& e, const S& f)
       : xx(a), yy(b), zz(c), xy(d), xz(e), yz(f) {}
-  Sym3(const Sym3& b) : xx(b.xx), yy(b.yy), zz(b.zz), xy(b.xy), xz(b.xz), yz(b.yz) {}
+  constexpr Sym3(const Sym3& b) : xx(b.xx), yy(b.yy), zz(b.zz), xy(b.xy), xz(b.xz), yz(b.yz) {}
   Sym3& operator=(const Sym3& b) { return xx = b.xx, yy = b.yy, zz = b.zz, xy = b.xy, xz = b.xz, yz = b.yz, *this; }
   Sym3& operator+=(const Sym3& b) {
     xx += b.xx, yy += b.yy, zz += b.zz, xy += b.xy, xz += b.xz, yz += b.yz;

@@ -120,6 +120,24 @@ TEST(Batch, solves_loops_and_formulations_without_kernels_state_by_state) {
   }
 }
 
+TEST(Batch, forgets_the_states_of_the_batch_before) {
+  const Mechanism m = *generate("chain:9");
+  Cloud many(m.model, m.state, 21), few(m.model, m.state, 3);
+  many.q[0] = std::numeric_limits<double>::quiet_NaN();
+  BatchAnswers answers;
+  Batch(m.model, *find_formulation("recursive"), {2, true}).solve(many.states, answers);
+  EXPECT_EQ(answers.status[0], Status::not_finite);
+  EXPECT_FALSE(answers.outcome.at(0).message.empty());
+  EXPECT_EQ(answers.outcome.size(), 1u);
+  Batch batch(m.model, *find_formulation("recursive"), {1});
+  batch.solve(few.states, answers);
+  EXPECT_EQ(answers.status, std::vector<Status>(3, Status::solved));
+  EXPECT_TRUE(answers.outcome.empty());
+  EXPECT_TRUE(answers.wrench.empty());
+  batch.solve({0, {}, {}, {}}, answers);
+  EXPECT_TRUE(answers.status.empty() && answers.vdot.empty());
+}
+
 TEST(Batch, refuses_what_is_no_whole_number_of_states) {
   const Mechanism m = *generate("chain:3");
   Batch batch(m.model, *find_formulation("recursive"));

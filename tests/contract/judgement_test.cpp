@@ -1,9 +1,13 @@
 // Mechanisms on which a judgement of answers by residuals and corrections alone goes wrong: each found by trying.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "lib/formulation/formulation.h"
+#include "lib/formulation/judgement.h"
 #include "lib/io/mechanism.h"
 #include "lib/system/evaluator.h"
+#include "tests/support/zoo.h"
 
 namespace lanc {
 namespace {
@@ -19,6 +23,44 @@ void for_all_answers(const Mechanism& mechanism, const State<double>& state, con
     const Outcome outcome = info.create_double(mechanism.model)->solve(system, solution);
     if (outcome.status != Status::objection) check(info, outcome, solution);
   }
+}
+
+TEST(FirstLook, refuses_every_number_that_is_not_finite_and_every_torque_that_is_not_balanced) {
+  int seen = 0;
+  for (const test::Case& c : test::small_zoo()) {
+    if (c.model.has_closures()) continue;
+    Evaluator<double> evaluator(c.model);
+    System<double> system = evaluator.system(c.state);
+    Solution<double> solution(c.model);
+    (void)find_formulation("recursive")->create_double(c.model)->solve(system, solution);
+    if (judgement::first_look(system, solution) != 0) continue;  // massless on purpose
+    ++seen;
+    const auto refused = [&](double& number, const char* which) {
+      const double good = number;
+      for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        number = bad;
+        EXPECT_FALSE(judgement::first_look(system, solution) == 0) << c.name << ": " << which << " " << bad;
+      }
+      number = good;
+    };
+    for (double& vdot : solution.vdot) refused(vdot, "vdot");
+    for (double& tau : system.rhs.tau) refused(tau, "tau");
+    for (int i = 0; i < c.model.bodies(); ++i) {
+      for (Vec3<double>* part : {&solution.wrench[i].moment, &solution.wrench[i].force})
+        for (double* number : {&part->x, &part->y, &part->z}) refused(*number, "wrench");
+      if (c.model.link(i).parent == ground) refused(system.bodies[i].r.y, "place");
+    }
+    for (int k = 0; k < c.model.nv(); ++k) {
+      double& tau = system.rhs.tau[k];
+      const Wrench<double>& load = system.rhs.force[c.model.body_of_velocity(k)];
+      const double good = tau, size = 1 + std::abs(tau) + std::abs(load.moment.x) + std::abs(load.force.z);
+      tau += 1e-3 * size;
+      EXPECT_GT(judgement::first_look(system, solution), 0) << c.name << " " << k;
+      tau = good;
+    }
+    EXPECT_EQ(judgement::first_look(system, solution), 0) << c.name;
+  }
+  EXPECT_GT(seen, 10);
 }
 
 TEST(Judgement, a_double_pendulum_of_point_masses_is_solved_though_every_moment_is_zero) {
