@@ -15,11 +15,11 @@ class Recursion {
   explicit Recursion(const Model& model);
   void factorise(const System<S>& system);
   void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
-  /// Both, with the right-hand side of the system. Loads climb along with the inertias, and what a body consists of is
-  /// fetched once: on packs 0.86 (100 bodies) to 0.91 (6) of the time of the two.
+  /// Both, with the right-hand side of the system, but for f̂, for which momentum_balance() needs fewer numbers a body
+  /// than M* has: what is kept of M* and f* here is what waits for a parent. Packs have to fetch less.
   void solve(const System<S>& system, Solution<S>& solution);
 
-  /// M*_i: what body i and all it carries weigh at its reference point. Valid after factorise() or solve().
+  /// M*_i: what body i and all it carries weigh at its reference point. Valid after factorise().
   const ArticulatedInertia<S>& articulated_inertia(int body) const { return star_[body]; }
 
  private:
@@ -28,9 +28,13 @@ class Recursion {
     S inverse;    // 1 / N, N = Cᵀ M* C + A
     S start;      // N⁻¹ (τ + Cᵀ (f* − M* ā^rel)): η̇ were the parent at rest
   };
-  template <class Then>
-  void climb(const System<S>& system, Then then);
-  void take_load(int body, const System<S>& system, const RightHandSide<S>& rhs, std::vector<Wrench<S>>& load);
+  template <class Before, class After>
+  void climb(const System<S>& system, Before before, After after);
+  Wrench<S> load_of(int body, const RightHandSide<S>& rhs, const ArticulatedInertia<S>& M,
+                    const std::vector<Wrench<S>>& load) const;
+  void hand_on(int body, Wrench<S> f, const System<S>& system, const RightHandSide<S>& rhs,
+               std::vector<Wrench<S>>& load);
+  template <bool with_wrenches>
   void accelerate(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
 
   Model model_;
@@ -41,11 +45,12 @@ class Recursion {
 template <class S>
 Recursion<S>::Recursion(const Model& model) : model_(model), star_(model.bodies()), freedoms_(model.nv()) {}
 
-/// Step 2, inertia: leaf to root, eq. 18. What a body hands down waits in star_[parent], or in M where the parent is
-/// next: memory would answer late, a quarter of the time of this sweep on a chain.
+/// Step 2, inertia: leaf to root, eq. 18. `before` sees M* before its freedoms are released, `after` D and 1 / N of
+/// what was. What a body hands down waits in star_[parent], or in M where the parent is next: memory would answer late,
+/// a quarter of the time of this sweep on a chain.
 template <class S>
-template <class Then>
-[[gnu::always_inline]] inline void Recursion<S>::climb(const System<S>& system, Then then) {
+template <class Before, class After>
+[[gnu::always_inline]] inline void Recursion<S>::climb(const System<S>& system, Before before, After after) {
   const std::span<const Link> links = model_.links();
   const double* const armature = model_.has_armature() ? model_.armature().data() : nullptr;
   ArticulatedInertia<S> M;
@@ -59,7 +64,7 @@ template <class Then>
       if (!handed) M = star_[i];
       add(M, body.inertia);
     }
-    star_[i] = M;
+    before(i, M);
 
     for (int k = link.v; k < link.v + link.nv; ++k) {  // (1 − M* C N⁻¹ Cᵀ) M*, one column after the other
       const ColumnKind kind = model_.column_kind(k);
@@ -71,7 +76,7 @@ template <class Then>
       freedom.D = U * freedom.inverse;
       subtract_outer(M, freedom.D, U);
     }
-    then(i);
+    after(i);
     handed = link.parent == i - 1;
     if (link.parent == ground) continue;
     M = moved_inward(body.r, M);
@@ -80,15 +85,21 @@ template <class Then>
   }
 }
 
-/// Step 2, load of body i: f* − M* ā^rel, and what of it goes on to the parent. `load` has both until f̂ takes its
-/// place.
+/// Step 2, load of body i: f* − M* ā^rel, f* having come from the children into `load`.
 template <class S>
-[[gnu::always_inline]] inline void Recursion<S>::take_load(int i, const System<S>& system, const RightHandSide<S>& rhs,
-                                                           std::vector<Wrench<S>>& load) {
+[[gnu::always_inline]] inline Wrench<S> Recursion<S>::load_of(int i, const RightHandSide<S>& rhs,
+                                                              const ArticulatedInertia<S>& M,
+                                                              const std::vector<Wrench<S>>& load) const {
+  Wrench<S> f = plus_product(rhs.force[i], M, -rhs.bias[i]);
+  if (!model_.link(i).leaf) f += load[i];
+  return f;
+}
+
+/// What of it goes on to the parent when the freedoms of body i are released.
+template <class S>
+[[gnu::always_inline]] inline void Recursion<S>::hand_on(int i, Wrench<S> f, const System<S>& system,
+                                                         const RightHandSide<S>& rhs, std::vector<Wrench<S>>& load) {
   const Link& link = model_.link(i);
-  Wrench<S> f = plus_product(rhs.force[i], star_[i], -rhs.bias[i]);
-  if (!link.leaf) f += load[i];
-  load[i] = f;
   if (link.parent == ground && link.nv == 0) return;
   for (int k = link.v; k < link.v + link.nv; ++k) {
     const S torque = rhs.tau[k] + project(model_.column_kind(k), system.columns[k], f);
@@ -105,40 +116,56 @@ template <class S>
 /// Steps 3 and 4: root to leaf; solution.wrench: f* − M* ā^rel on entry, f̂ on return. A joint's columns are taken in
 /// reverse, the last released one first.
 template <class S>
+template <bool with_wrenches>
 void Recursion<S>::accelerate(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   const Model& model = model_;
+  Motion<S> before;  // of the body before, often the parent
   for (int i = 0; i < model.bodies(); ++i) {
     const Link& link = model.link(i);
     Motion<S> a{};  // B_ip â_p + C η̇ of the columns done
     const bool at_rest = link.parent == ground;
-    if (!at_rest) a = moved_outward(system.bodies[i].r, solution.acceleration[link.parent]);
+    if (!at_rest) {
+      if (link.parent != i - 1) before = solution.acceleration[link.parent];
+      a = moved_outward(system.bodies[i].r, before);
+    }
     for (int k = link.v + link.nv - 1; k >= link.v; --k) {
       S vdot = freedoms_[k].start;
       if (!at_rest || k != link.v + link.nv - 1) vdot -= dot(a, freedoms_[k].D);
       solution.vdot[k] = vdot;
       add_along(model.column_kind(k), system.columns[k], vdot, a);
     }
-    solution.wrench[i] = plus_product(-solution.wrench[i], star_[i], a);
-    solution.acceleration[i] = a + rhs.bias[i];
+    if constexpr (with_wrenches) solution.wrench[i] = plus_product(-solution.wrench[i], star_[i], a);
+    solution.acceleration[i] = before = a + rhs.bias[i];
   }
 }
 
 template <class S>
 void Recursion<S>::factorise(const System<S>& system) {
-  climb(system, [](int) {});
+  climb(
+      system, [this](int i, const ArticulatedInertia<S>& M) __attribute__((always_inline)) { star_[i] = M; },
+      [](int) {});
 }
 
 template <class S>
 void Recursion<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
-  for (int i = model_.bodies() - 1; i >= 0; --i) take_load(i, system, rhs, solution.wrench);
-  accelerate(system, rhs, solution);
+  std::vector<Wrench<S>>& load = solution.wrench;
+  for (int i = model_.bodies() - 1; i >= 0; --i) {
+    load[i] = load_of(i, rhs, star_[i], load);
+    hand_on(i, load[i], system, rhs, load);
+  }
+  accelerate<true>(system, rhs, solution);
 }
 
 template <class S>
 void Recursion<S>::solve(const System<S>& system, Solution<S>& solution) {
+  std::vector<Wrench<S>>& load = solution.wrench;
+  Wrench<S> f;
   climb(
-      system, [&](int i) __attribute__((always_inline)) { take_load(i, system, system.rhs, solution.wrench); });
-  accelerate(system, system.rhs, solution);
+      system,
+      [&](int i, const ArticulatedInertia<S>& M)
+          __attribute__((always_inline)) { f = load_of(i, system.rhs, M, load); },
+      [&](int i) __attribute__((always_inline)) { hand_on(i, f, system, system.rhs, load); });
+  accelerate<false>(system, system.rhs, solution);
 }
 
 }  // namespace lanc

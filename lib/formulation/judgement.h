@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lib/system/momentum_balance.h"
 #include "lib/system/system.h"
 
 namespace lanc::judgement {
@@ -28,46 +29,74 @@ inline bool vanishes(double a) { return a == 0; }
 /// 1e-12 of noise(f̂, load, sum), what f̂ is made of; `sum`: of the magnitudes of the numbers of f̂, of a free body
 /// those of its load, too.
 template <class S, class Noise>
-auto violation_of_eq_12(const System<S>& system, const Solution<S>& solution, Noise noise) {
+class ViolationOfEq12 {
+ public:
   using Real = decltype(plain(S(0.0)));
-  const Model& model = system.model;
-  const std::span<const Link> links = model.links();
-  const double* const armature = model.has_armature() ? model.armature().data() : nullptr;
-  Real excess(0.0);
-  const auto sum_of_magnitudes = [](const Vec3<S>& a) __attribute__((always_inline)) {
-    return magnitude(plain(a.x)) + magnitude(plain(a.y)) + magnitude(plain(a.z));
-  };
-  for (int i = 0; i < model.bodies(); ++i) {
-    const Link& link = links[i];
-    const Wrench<S>& f = solution.wrench[i];  // M* â − f*: not finite where the acceleration is not
+  ViolationOfEq12(const System<S>& system, const Solution<S>& solution, Noise noise)
+      : system_(system), solution_(solution), noise_(noise) {}
+
+  const Real& excess() const { return excess_; }
+
+  /// The rows of body i, f̂ of which is not finite where its acceleration is not.
+  [[gnu::always_inline]] void add_body(int i, const Wrench<S>& f) {
+    const Model& model = system_.model;
+    const Link& link = model.link(i);
     // The place of a body on the ground enters no equation: the answer may be finite where the state is not.
-    if (link.parent == ground) excess += sum_of_magnitudes(system.bodies[i].r) * Real(0.0);
+    if (link.parent == ground) excess_ += sum_of_magnitudes(system_.bodies[i].r) * Real(0.0);
     Real made_of = sum_of_magnitudes(f.moment) + sum_of_magnitudes(f.force);
-    excess += made_of * Real(0.0);
+    excess_ += made_of * Real(0.0);
     if (link.nv == 6) {  // of a free body f̂ is rounding itself
-      const Wrench<S>& load = system.rhs.force[i];
+      const Wrench<S>& load = system_.rhs.force[i];
       made_of += sum_of_magnitudes(load.moment) + sum_of_magnitudes(load.force);
     }
     for (int k = link.v; k < link.v + link.nv; ++k) {
       const ColumnKind kind = model.column_kind(k);
-      const Motion<S>& C = system.columns[k];
-      const Real tau = plain(system.rhs.tau[k]);
+      const Motion<S>& C = system_.columns[k];
+      const Real tau = plain(system_.rhs.tau[k]);
       Real sum = -tau, size = magnitude(tau);
       const auto add = [&](const Real& part) __attribute__((always_inline)) { sum += part, size += magnitude(part); };
       const auto add_power = [&](const Vec3<S>& c, const Vec3<S>& w) __attribute__((always_inline)) {
         add(plain(c.x) * plain(w.x)), add(plain(c.y) * plain(w.y)), add(plain(c.z) * plain(w.z));
       };
-      const Real vdot = plain(solution.vdot[k]);
-      excess += vdot * Real(0.0);
-      if (armature) add(Real(armature[k]) * vdot);
+      const Real vdot = plain(solution_.vdot[k]);
+      excess_ += vdot * Real(0.0);
+      if (model.has_armature()) add(Real(model.armature()[k]) * vdot);
       if (kind != ColumnKind::translation) add_power(C.angular, f.moment);
       if (kind != ColumnKind::rotation) add_power(C.linear, f.force);
-      const Real violation = magnitude(sum) - Real(1e-9) * size - Real(1e-12) * noise(f, system.rhs.force[i], made_of);
-      excess += larger(Real(0.0), violation);  // in this order NaN stays
+      const Real violation =
+          magnitude(sum) - Real(1e-9) * size - Real(1e-12) * noise_(f, system_.rhs.force[i], made_of);
+      excess_ += larger(Real(0.0), violation);  // in this order NaN stays
     }
   }
-  return excess;
-}
+
+ private:
+  [[gnu::always_inline]] static Real sum_of_magnitudes(const Vec3<S>& a) {
+    return magnitude(plain(a.x)) + magnitude(plain(a.y)) + magnitude(plain(a.z));
+  }
+
+  const System<S>& system_;
+  const Solution<S>& solution_;
+  Noise noise_;
+  Real excess_{0.0};
+};
+
+/// Rounding errors of f̂ are relative to the largest number it is made of: a free body's is zero, its load is not.
+/// Mostly the mean of these is enough.
+struct MeanNumber {
+  template <class S, class Real>
+  [[gnu::always_inline]] Real operator()(const Wrench<S>&, const Wrench<S>&, const Real& sum) const {
+    return sum * Real(1.0 / 12);
+  }
+};
+struct LargestNumber {
+  template <class S, class Real>
+  Real operator()(const Wrench<S>& f, const Wrench<S>& load, const Real&) const {
+    Real largest(0.0);
+    for (const Vec3<S>* part : {&f.moment, &f.force, &load.moment, &load.force})
+      for (const S* x : {&part->x, &part->y, &part->z}) largest = larger(largest, magnitude(plain(*x)));
+    return largest;
+  }
+};
 
 /// Digits lost in η̇ show in eq. 12: a formulation finds η̇ in one way and f̂ in another. By how much it is violated: 0
 /// for a good answer; NaN where something in it is not finite, which no number survives: 0 · NaN and 0 · ∞ are NaN.
@@ -75,21 +104,29 @@ auto violation_of_eq_12(const System<S>& system, const Solution<S>& solution, No
 template <class S>
 auto first_look(const System<S>& system, const Solution<S>& solution) {
   using Real = decltype(plain(S(0.0)));
-  // Rounding errors of f̂ are relative to the largest number it is made of: a free body's is zero, its load is not.
-  // Mostly the mean of these is enough.
-  Real excess = violation_of_eq_12(
-      system, solution, [](const Wrench<S>&, const Wrench<S>&, const Real& sum) __attribute__((always_inline)) {
-        return sum * Real(1.0 / 12);
-      });
-  if (!vanishes(excess))
-    excess = violation_of_eq_12(system, solution, [](const Wrench<S>& f, const Wrench<S>& load, const Real&) {
-      Real largest(0.0);
-      for (const Vec3<S>* part : {&f.moment, &f.force, &load.moment, &load.force})
-        for (const S* x : {&part->x, &part->y, &part->z}) largest = larger(largest, magnitude(plain(*x)));
-      return largest;
-    });
+  const auto look = [&](auto noise) {
+    ViolationOfEq12<S, decltype(noise)> violation(system, solution, noise);
+    for (int i = 0; i < system.model.bodies(); ++i) violation.add_body(i, solution.wrench[i]);
+    return violation.excess();
+  };
+  Real excess = look(MeanNumber{});
+  if (!vanishes(excess)) excess = look(LargestNumber{});
   for (const S& multiplier : solution.lambda) excess += plain(multiplier) * Real(0.0);
   return excess;
+}
+
+/// The same for η̇ and â, f̂ being found on the way by momentum_balance(). Of open mechanisms. solution.wrench is f̂
+/// afterwards if `keep_wrenches`, scratch otherwise.
+template <class S>
+auto look_by_momentum_balance(const System<S>& system, Solution<S>& solution, bool keep_wrenches) {
+  ViolationOfEq12<S, MeanNumber> violation(system, solution, MeanNumber{});
+  if (!keep_wrenches) {
+    momentum_balance(
+        system, solution, [&](int i, const Wrench<S>& f) __attribute__((always_inline)) { violation.add_body(i, f); });
+    if (vanishes(violation.excess())) return violation.excess();
+  }
+  momentum_balance(system, solution, [&](int i, const Wrench<S>& f) { solution.wrench[i] = f; });
+  return first_look(system, solution);
 }
 
 /// How large the quantities of an answer are, in two units: m/s² and N. Rotations are taken times the model's length,

@@ -14,12 +14,12 @@ namespace lanc {
 
 extern template class Evaluator<NativePack>;
 
-/// `Phases` has solve(system, solution) on the pack P, as Recursion<P> does.
+/// `Phases` has solve(system, solution) for η̇ and â on the pack P, as Recursion<P> does.
 template <class Phases, class P>
 class PackKernel final : public BatchKernel {
  public:
   explicit PackKernel(const Model& model)
-      : model_(model), evaluator_(model), phases_(model), solution_(model), state_{0, {}, {}} {
+      : model_(model), evaluator_(model), phases_(model), solution_(model), state_{0, {}, {}}, ahead_(model.bodies()) {
     state_.q.resize(model.nq()), state_.v.resize(model.nv()), loads_.tau.resize(model.nv());
   }
 
@@ -30,9 +30,10 @@ class PackKernel final : public BatchKernel {
     state_.t = states.t;
     gather(states.q, first, count, state_.q), gather(states.v, first, count, state_.v);
     if (!states.tau.empty()) gather(states.tau, first, count, loads_.tau);
-    const System<P>& system = evaluator_.system(state_, states.tau.empty() ? none_ : loads_);
+    call_for_next_states(states, first, answers);
+    const System<P>& system = evaluator_.system(state_, states.tau.empty() ? none_ : loads_, &ahead_);
     phases_.solve(system, solution_);
-    const P excess = judgement::first_look(system, solution_);
+    const P excess = judgement::look_by_momentum_balance(system, solution_, options.all_outputs);
     scatter(solution_.vdot, first, count, answers.vdot);
     static_assert(P::lanes <= 32);  // bits of what is returned
     unsigned good = 0;
@@ -46,12 +47,12 @@ class PackKernel final : public BatchKernel {
  private:
   using Rows = std::array<P, P::lanes>;
 
-  /// The numbers of the next states, to be read (0) or written (1): from memory they would come late.
-  template <int use>
-  static void call_for(std::span<const double> numbers, std::ptrdiff_t first, int size) {
-    constexpr int line = 8;
-    const std::ptrdiff_t last = std::min(first + std::ptrdiff_t{size} * P::lanes, std::ssize(numbers));
-    for (std::ptrdiff_t k = first; k < last; k += line) __builtin_prefetch(&numbers[k], use);
+  void call_for_next_states(const BatchStates& states, int first, const BatchAnswers& answers) {
+    const std::ptrdiff_t next = first + P::lanes, nq = model_.nq(), nv = model_.nv();
+    ahead_.clear();
+    ahead_.add(states.q, nq * next, nq * P::lanes);
+    for (const std::span<const double> numbers : {states.v, states.tau, std::span<const double>(answers.vdot)})
+      ahead_.add(numbers, nv * next, nv * P::lanes);
   }
   /// Numbers of `count` states side by side; lanes beyond the last state repeat it. A square of numbers at a time; what
   /// is left over number by number.
@@ -60,7 +61,6 @@ class PackKernel final : public BatchKernel {
     const auto numbers = [&](int lane) {
       return from.data() + std::ptrdiff_t{size} * (first + std::min(lane, count - 1));
     };
-    call_for<0>(from, std::ptrdiff_t{size} * (first + P::lanes), size);
     int k = 0;
     for (; k + P::lanes <= size; k += P::lanes) {
       Rows rows;
@@ -77,7 +77,6 @@ class PackKernel final : public BatchKernel {
   static void scatter(const std::vector<P>& from, int first, int count, std::vector<double>& to) {
     const int size = static_cast<int>(from.size());
     const auto numbers = [&](int lane) { return to.data() + std::ptrdiff_t{size} * (first + lane); };
-    call_for<1>(to, std::ptrdiff_t{size} * (first + P::lanes), size);
     int k = 0;
     for (; k + P::lanes <= size; k += P::lanes) {
       Rows rows;
@@ -106,6 +105,7 @@ class PackKernel final : public BatchKernel {
   State<P> state_;
   Loads<P> loads_;
   const Loads<P> none_{};
+  Prefetch ahead_;
 };
 
 /// A factory to be put into FormulationInfo.

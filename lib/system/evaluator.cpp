@@ -117,7 +117,7 @@ void Evaluator<S>::weigh(int block) {
 }
 
 template <class S>
-const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loads) {
+const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loads, [[maybe_unused]] Prefetch* ahead) {
   static constexpr auto steps = for_each_joint_kind([]<class Joint>() {
     return +[](Evaluator& self, int body, const S* q, const S* v) { self.step<Joint>(body, q, v); };
   });
@@ -127,6 +127,8 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
   constexpr int width = lanes;
   const int n = model.bodies();
   for (int i = 0; i < n; ++i) {
+    if constexpr (std::is_same_v<S, NativePack>)
+      if (ahead) ahead->step();
     const Link& link = model.link(i);
     if (link.drive < 0) {
       steps[link.kind.index](*this, i, state.q.data() + link.q, state.v.data() + link.v);

@@ -5,6 +5,7 @@
 #include "lib/system/between_bodies.h"
 #include "lib/system/body_frame.h"
 #include "lib/system/closure_blocks.h"
+#include "lib/system/prefetch.h"
 #include "lib/system/system.h"
 
 namespace lanc {
@@ -18,8 +19,8 @@ class Evaluator {
   explicit Evaluator(const Model& model);
 
   /// Coefficients of eq. 14 at a state. Sizes must be right (checked_state) and Euler parameters normalised. O(n).
-  /// About 260 flops and two trigonometric functions per revolute body.
-  const System<S>& system(const State<S>& state, const Loads<S>& loads = {});
+  /// About 260 flops and two trigonometric functions per revolute body. Packs take a step of `ahead` with every body.
+  const System<S>& system(const State<S>& state, const Loads<S>& loads = {}, Prefetch* ahead = nullptr);
 
   /// Baumgarte's stabilisation (1972) of the coefficients evaluated last: conditions g̈ + 2α ġ + α² g = 0 in place of
   /// g̈ = 0. α in 1/s.

@@ -1,7 +1,10 @@
 // Mechanisms on which a judgement of answers by residuals and corrections alone goes wrong: each found by trying.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lib/formulation/formulation.h"
 #include "lib/formulation/judgement.h"
@@ -59,6 +62,42 @@ TEST(FirstLook, refuses_every_number_that_is_not_finite_and_every_torque_that_is
       tau = good;
     }
     EXPECT_EQ(judgement::first_look(system, solution), 0) << c.name;
+  }
+  EXPECT_GT(seen, 10);
+}
+
+TEST(FirstLook, by_momentum_balance_finds_the_wrenches_and_refuses_the_same) {
+  int seen = 0;
+  for (const test::Case& c : test::small_zoo()) {
+    if (c.model.has_closures()) continue;
+    Evaluator<double> evaluator(c.model);
+    System<double> system = evaluator.system(c.state);
+    Solution<double> solution(c.model);
+    (void)find_formulation("recursive")->create_double(c.model)->solve(system, solution);
+    if (judgement::first_look(system, solution) != 0) continue;  // massless on purpose
+    ++seen;
+    const std::vector<Wrench<double>> expected = solution.wrench;
+    EXPECT_EQ(judgement::look_by_momentum_balance(system, solution, false), 0) << c.name;
+    EXPECT_EQ(judgement::look_by_momentum_balance(system, solution, true), 0) << c.name;
+    const auto norm = [](const Wrench<double>& f) {
+      return std::sqrt(dot(f.moment, f.moment) + dot(f.force, f.force));
+    };
+    double size = 1;
+    for (const Wrench<double>& f : expected) size = std::max(size, norm(f));
+    for (int i = 0; i < c.model.bodies(); ++i)
+      EXPECT_LT(norm(solution.wrench[i] - expected[i]), 1e-11 * size) << c.name << " body " << i;
+    const auto refused = [&](double& number, double wrong) {
+      const double good = std::exchange(number, wrong);
+      for (const bool keep : {false, true})
+        EXPECT_FALSE(judgement::look_by_momentum_balance(system, solution, keep) == 0) << c.name << " " << wrong;
+      number = good;
+    };
+    for (double& vdot : solution.vdot) refused(vdot, std::numeric_limits<double>::quiet_NaN());
+    for (int i = 0; i < c.model.bodies(); ++i) {
+      refused(solution.acceleration[i].angular.x, std::numeric_limits<double>::infinity());
+      refused(solution.acceleration[i].linear.y, std::numeric_limits<double>::quiet_NaN());
+    }
+    for (double& tau : system.rhs.tau) refused(tau, tau + 1e-3 * size);
   }
   EXPECT_GT(seen, 10);
 }
