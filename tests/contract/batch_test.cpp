@@ -98,6 +98,20 @@ TEST(Batch, gives_every_state_of_every_tree_what_solve_gives_it) {
   }
 }
 
+TEST(Batch, of_regular_states_solves_none_alone) {
+  for (const char* argument :
+       {"chain:12", "tree:63", "random:40:seed=3", "chain:20:joint=spherical", "tree:7:joint=free"})
+    for (const bool all_outputs : {true, false}) {
+      const Mechanism m = *generate(argument);
+      const Cloud cloud(m.model, m.state, 21);
+      Batch batch(m.model, *find_formulation("recursive"), {1, all_outputs});
+      ASSERT_GT(batch.lanes(), 1);
+      BatchAnswers answers;
+      batch.solve(cloud.states, answers);
+      EXPECT_TRUE(answers.outcome.empty()) << argument << " " << answers.outcome.size();
+    }
+}
+
 TEST(Batch, keeps_a_state_that_cannot_be_solved_to_itself) {
   for (const char* argument : {"chain:9", "random:20:seed=3"}) {
     const Mechanism m = *generate(argument);
