@@ -1,6 +1,7 @@
 // Eq. 18 on any scalar.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "lib/system/system.h"
@@ -30,10 +31,9 @@ class Recursion {
   };
   template <class Before, class After>
   void climb(const System<S>& system, Before before, After after);
-  Wrench<S> load_of(int body, const RightHandSide<S>& rhs, const ArticulatedInertia<S>& M,
-                    const std::vector<Wrench<S>>& load) const;
-  void hand_on(int body, Wrench<S> f, const System<S>& system, const RightHandSide<S>& rhs,
-               std::vector<Wrench<S>>& load);
+  Wrench<S> load_of(int body, const RightHandSide<S>& rhs, const ArticulatedInertia<S>& M, const Wrench<S>& from) const;
+  void hand_on(int body, Wrench<S> f, const System<S>& system, const RightHandSide<S>& rhs, const Wrench<S>& with,
+               Wrench<S>& to);
   template <bool with_wrenches>
   void accelerate(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
 
@@ -85,20 +85,22 @@ template <class Before, class After>
   }
 }
 
-/// Step 2, load of body i: f* − M* ā^rel, f* having come from the children into `load`.
+/// Step 2, load of body i: f* − M* ā^rel, `from` being what its children hand down.
 template <class S>
 [[gnu::always_inline]] inline Wrench<S> Recursion<S>::load_of(int i, const RightHandSide<S>& rhs,
                                                               const ArticulatedInertia<S>& M,
-                                                              const std::vector<Wrench<S>>& load) const {
+                                                              const Wrench<S>& from) const {
   Wrench<S> f = plus_product(rhs.force[i], M, -rhs.bias[i]);
-  if (!model_.link(i).leaf) f += load[i];
+  if (!model_.link(i).leaf) f += from;
   return f;
 }
 
-/// What of it goes on to the parent when the freedoms of body i are released.
+/// What of it goes on to the parent when the freedoms of body i are released: `to`, what siblings have handed on being
+/// in `with`.
 template <class S>
 [[gnu::always_inline]] inline void Recursion<S>::hand_on(int i, Wrench<S> f, const System<S>& system,
-                                                         const RightHandSide<S>& rhs, std::vector<Wrench<S>>& load) {
+                                                         const RightHandSide<S>& rhs, const Wrench<S>& with,
+                                                         Wrench<S>& to) {
   const Link& link = model_.link(i);
   if (link.parent == ground && link.nv == 0) return;
   for (int k = link.v; k < link.v + link.nv; ++k) {
@@ -108,9 +110,9 @@ template <class S>
   }
   if (link.parent == ground) return;
   if (link.last_sibling)
-    load[link.parent] = moved_inward(system.bodies[i].r, f);
+    to = moved_inward(system.bodies[i].r, f);
   else
-    load[link.parent] += moved_inward(system.bodies[i].r, f);
+    to = with + moved_inward(system.bodies[i].r, f);
 }
 
 /// Steps 3 and 4: root to leaf; solution.wrench: f* − M* ā^rel on entry, f̂ on return. A joint's columns are taken in
@@ -150,8 +152,9 @@ template <class S>
 void Recursion<S>::substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution) {
   std::vector<Wrench<S>>& load = solution.wrench;
   for (int i = model_.bodies() - 1; i >= 0; --i) {
-    load[i] = load_of(i, rhs, star_[i], load);
-    hand_on(i, load[i], system, rhs, load);
+    load[i] = load_of(i, rhs, star_[i], load[i]);
+    Wrench<S>& waiting = load[std::max(model_.link(i).parent, 0)];
+    hand_on(i, load[i], system, rhs, waiting, waiting);
   }
   accelerate<true>(system, rhs, solution);
 }
@@ -159,12 +162,18 @@ void Recursion<S>::substitute(const System<S>& system, const RightHandSide<S>& r
 template <class S>
 void Recursion<S>::solve(const System<S>& system, Solution<S>& solution) {
   std::vector<Wrench<S>>& load = solution.wrench;
-  Wrench<S> f;
+  Wrench<S> f, handed;
+  bool by_next = false;
   climb(
       system,
       [&](int i, const ArticulatedInertia<S>& M)
-          __attribute__((always_inline)) { f = load_of(i, system.rhs, M, load); },
-      [&](int i) __attribute__((always_inline)) { hand_on(i, f, system, system.rhs, load); });
+          __attribute__((always_inline)) { f = load_of(i, system.rhs, M, by_next ? handed : load[i]); },
+      [&](int i) __attribute__((always_inline)) {
+        const int p = model_.link(i).parent;
+        by_next = p == i - 1;
+        Wrench<S>& waiting = load[std::max(p, 0)];
+        hand_on(i, f, system, system.rhs, waiting, by_next ? handed : waiting);
+      });
   accelerate<false>(system, system.rhs, solution);
 }
 
