@@ -18,7 +18,7 @@ def main():
     path, out = figures.begin(__doc__)
     times = collections.defaultdict(lambda: collections.defaultdict(list))
     for row in figures.rows(path):
-        if row["metric"] == "time" and row["value"]:
+        if row["phase"] == "total" and row["metric"] == "time" and row["value"]:
             family = re.sub(r"^([^:]+):\d+", r"\1", row["model"])
             ways = dict(part.split("=") for part in row["parameters"].split(";"))
             key = family, row["formulation"], int(ways["lanes"]), int(ways["threads"])
