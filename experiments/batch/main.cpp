@@ -165,7 +165,7 @@ int main(int argc, char** argv) {
                                                   "chain:100", "tree:63",  "tree:1023", "chain:20:joint=spherical"};
                              },
                          .formulations = [](const FormulationInfo& info) { return info.create_kernel != nullptr; }});
-  experiment.option("--states", states, "states in a batch; 0: as many as have 100 000 bodies together, at least 64");
+  experiment.option("--states", states, "states in a batch; 0: as many as have 400 000 bodies together, at least 64");
   return experiment.run(argc, argv, [&](Experiment& e) {
     if (states < 0) throw InputError(fmt::format("--states {}: give a number of states, or 0", states));
     TextTable table(

@@ -17,7 +17,8 @@ class Recursion {
   void factorise(const System<S>& system);
   void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
   /// Both, with the right-hand side of the system, but for f̂, for which momentum_balance() needs fewer numbers a body
-  /// than M* has: what is kept of M* and f* here is what waits for a parent. Packs have to fetch less.
+  /// than M* has: what is kept of M* and f* here is what waits for a parent. Packs have to fetch less. substitute()
+  /// asks for factorise() again afterwards, and solution.wrench is scratch.
   void solve(const System<S>& system, Solution<S>& solution);
 
   /// M*_i: what body i and all it carries weigh at its reference point. Valid after factorise().
@@ -102,7 +103,6 @@ template <class S>
                                                          const RightHandSide<S>& rhs, const Wrench<S>& with,
                                                          Wrench<S>& to) {
   const Link& link = model_.link(i);
-  if (link.parent == ground && link.nv == 0) return;
   for (int k = link.v; k < link.v + link.nv; ++k) {
     const S torque = rhs.tau[k] + project(model_.column_kind(k), system.columns[k], f);
     freedoms_[k].start = torque * freedoms_[k].inverse;

@@ -163,6 +163,7 @@ Row csv_row(std::span<const std::string> fields) {
 struct Report::State {
   Description description;
   int file = -1;
+  off_t taken_over = -1;  // bytes, until cut()
   std::vector<Row> rows;
   std::unordered_set<std::string> cells;
   struct sigaction before_int, before_term;
@@ -226,8 +227,16 @@ struct Report::State {
       rows.resize(cell_begin);
     }
     open_file(0);
-    if (::ftruncate(file, static_cast<off_t>(whole)) != 0 || ::lseek(file, 0, SEEK_END) < 0)
-      throw InputError(fmt::format("cannot write {}: {}", name, std::strerror(errno)));
+    taken_over = static_cast<off_t>(whole);
+  }
+
+  /// Cuts off what resume() has not taken over. Not before there is something to write: a run that is ended at its
+  /// start, again and again, must not cost a cell each time.
+  void cut() {
+    if (taken_over < 0) return;
+    if (::ftruncate(file, taken_over) != 0 || ::lseek(file, 0, SEEK_END) < 0)
+      throw InputError(fmt::format("cannot write {}: {}", description.file, std::strerror(errno)));
+    taken_over = -1;
   }
 };
 
@@ -259,6 +268,7 @@ void Report::write(const Cell& cell, std::span<const Measurement> measurements) 
     state_->rows.push_back({cell, m});
     if (!std::isfinite(m.value)) state_->rows.back().measurement.value = std::numeric_limits<double>::quiet_NaN();
   }
+  state_->cut();
   write_all(state_->file, text, state_->description.file);
 }
 
@@ -266,6 +276,7 @@ const std::vector<Row>& Report::rows() const { return state_->rows; }
 
 const std::string& Report::finish() {
   const Description& d = state_->description;
+  state_->cut();
   if (d.file != "-") {
     auto sidecar = nlohmann::ordered_json::parse(d.sidecar);
     sidecar["finished"] = true;

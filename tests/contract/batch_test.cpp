@@ -100,15 +100,21 @@ TEST(Batch, gives_every_state_of_every_tree_what_solve_gives_it) {
 
 TEST(Batch, of_regular_states_solves_none_alone) {
   for (const char* argument :
-       {"chain:12", "tree:63", "random:40:seed=3", "chain:20:joint=spherical", "tree:7:joint=free"})
+       {"chain:12", "tree:63", "random:40:seed=3", "chain:20:joint=spherical", "tree:7:joint=free", "chain:250",
+        "chain:1000", "chain:8:joint=free:gravity=0", "tree:15:joint=free:gravity=0"})
     for (const bool all_outputs : {true, false}) {
       const Mechanism m = *generate(argument);
       const Cloud cloud(m.model, m.state, 21);
       Batch batch(m.model, *find_formulation("recursive"), {1, all_outputs});
       ASSERT_GT(batch.lanes(), 1);
-      BatchAnswers answers;
-      batch.solve(cloud.states, answers);
-      EXPECT_TRUE(answers.outcome.empty()) << argument << " " << answers.outcome.size();
+      for (const bool with_tau : {true, false}) {
+        const BatchStates states{cloud.states.t, cloud.q, cloud.v,
+                                 with_tau ? cloud.states.tau : std::span<const double>{}};
+        BatchAnswers answers;
+        batch.solve(states, answers);
+        EXPECT_TRUE(answers.outcome.empty()) << argument << " " << answers.outcome.size();
+        expect_answers_of_solve(m.model, *find_formulation("recursive"), states, answers, argument);
+      }
     }
 }
 

@@ -121,6 +121,24 @@ TEST_F(ReportFile, continues_after_truncation_without_the_cell_that_was_cut) {
   EXPECT_EQ(contents(file), whole);
 }
 
+TEST_F(ReportFile, runs_that_are_ended_at_their_start_cost_one_cell_at_most) {
+  {
+    Report report(description(false));
+    for (const int k : {1, 2, 3}) report.write(cell("a", k), two_rows);
+  }
+  const std::string before = contents(file);
+  for (int start = 0; start < 3; ++start) {
+    const Report report(description(true));  // and nothing is written
+    EXPECT_TRUE(report.has(cell("a", 2)));
+    EXPECT_FALSE(report.has(cell("a", 3)));
+  }
+  EXPECT_EQ(contents(file), before);
+  Report report(description(true));
+  report.write(cell("a", 3), two_rows);
+  report.finish();
+  EXPECT_EQ(contents(file), before);
+}
+
 TEST_F(ReportFile, a_finished_csv_has_nothing_left_to_do) {
   {
     Report report(description(false));
