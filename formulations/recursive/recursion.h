@@ -16,7 +16,7 @@ class Recursion {
   explicit Recursion(const Model& model);
   void factorise(const System<S>& system);
   void substitute(const System<S>& system, const RightHandSide<S>& rhs, Solution<S>& solution);
-  /// Both, with the right-hand side of the system, but for f̂, for which momentum_balance() needs fewer numbers a body
+  /// Both, with the right-hand side of the system, but for f̂, for which MomentumBalance needs fewer numbers a body
   /// than M* has: what is kept of M* and f* here is what waits for a parent. Packs have to fetch less. substitute()
   /// asks for factorise() again afterwards, and solution.wrench is scratch.
   void solve(const System<S>& system, Solution<S>& solution);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "lib/system/momentum_balance.h"
 #include "lib/system/system.h"
 
 namespace lanc::judgement {
@@ -19,36 +18,42 @@ auto plain(const S& x) {
   else
     return to_double(x);
 }
+template <class S>
+using Real = decltype(plain(S(0.0)));
+
 /// The larger one; b where it is NaN.
 inline double larger(double a, double b) { return a > b ? a : b; }
 inline double magnitude(double a) { return std::abs(a); }
 
 inline bool vanishes(double a) { return a == 0; }
 
+template <class S>
+[[gnu::always_inline]] inline Real<S> sum_of_magnitudes(const Vec3<S>& a) {
+  return magnitude(plain(a.x)) + magnitude(plain(a.y)) + magnitude(plain(a.z));
+}
+template <class S>
+[[gnu::always_inline]] inline Real<S> sum_of_magnitudes(const Wrench<S>& f) {
+  return sum_of_magnitudes(f.moment) + sum_of_magnitudes(f.force);
+}
+
 /// By how much eq. 12 is violated, summed over the velocities, beyond what rounding explains: 1e-9 of its terms, and
-/// 1e-12 of noise(f̂, load, sum), what f̂ is made of; `sum`: of the magnitudes of the numbers of f̂, of a free body
-/// those of its load, too.
+/// 1e-12 of noise(f̂, load, made_of), the numbers that f̂ is made of; `made_of`: the sum of their magnitudes.
 template <class S, class Noise>
 class ViolationOfEq12 {
  public:
-  using Real = decltype(plain(S(0.0)));
+  using Real = judgement::Real<S>;
   ViolationOfEq12(const System<S>& system, const Solution<S>& solution, Noise noise)
       : system_(system), solution_(solution), noise_(noise) {}
 
   const Real& excess() const { return excess_; }
 
   /// The rows of body i, f̂ of which is not finite where its acceleration is not.
-  [[gnu::always_inline]] void add_body(int i, const Wrench<S>& f) {
+  [[gnu::always_inline]] void add_body(int i, const Wrench<S>& f, const Real& made_of) {
     const Model& model = system_.model;
     const Link& link = model.link(i);
     // The place of a body on the ground enters no equation: the answer may be finite where the state is not.
     if (link.parent == ground) excess_ += sum_of_magnitudes(system_.bodies[i].r) * Real(0.0);
-    Real made_of = sum_of_magnitudes(f.moment) + sum_of_magnitudes(f.force);
     excess_ += made_of * Real(0.0);
-    if (link.nv == 6) {  // of a free body f̂ is rounding itself
-      const Wrench<S>& load = system_.rhs.force[i];
-      made_of += sum_of_magnitudes(load.moment) + sum_of_magnitudes(load.force);
-    }
     for (int k = link.v; k < link.v + link.nv; ++k) {
       const ColumnKind kind = model.column_kind(k);
       const Motion<S>& C = system_.columns[k];
@@ -70,10 +75,6 @@ class ViolationOfEq12 {
   }
 
  private:
-  [[gnu::always_inline]] static Real sum_of_magnitudes(const Vec3<S>& a) {
-    return magnitude(plain(a.x)) + magnitude(plain(a.y)) + magnitude(plain(a.z));
-  }
-
   const System<S>& system_;
   const Solution<S>& solution_;
   Noise noise_;
@@ -102,34 +103,21 @@ struct LargestNumber {
 /// for a good answer; NaN where something in it is not finite, which no number survives: 0 · NaN and 0 · ∞ are NaN.
 /// Lane by lane on packs. About 20 operations a velocity. Tested by tests/contract/judgement_test.cpp.
 template <class S>
-auto first_look(const System<S>& system, const Solution<S>& solution) {
-  using Real = decltype(plain(S(0.0)));
+Real<S> first_look(const System<S>& system, const Solution<S>& solution) {
   const auto look = [&](auto noise) {
     ViolationOfEq12<S, decltype(noise)> violation(system, solution, noise);
-    for (int i = 0; i < system.model.bodies(); ++i) violation.add_body(i, solution.wrench[i]);
+    for (int i = 0; i < system.model.bodies(); ++i) {
+      const Wrench<S>& f = solution.wrench[i];
+      const bool free = system.model.link(i).nv == 6;  // f̂ is rounding itself then
+      violation.add_body(i, f,
+                         free ? sum_of_magnitudes(f) + sum_of_magnitudes(system.rhs.force[i]) : sum_of_magnitudes(f));
+    }
     return violation.excess();
   };
-  Real excess = look(MeanNumber{});
+  Real<S> excess = look(MeanNumber{});
   if (!vanishes(excess)) excess = look(LargestNumber{});
-  for (const S& multiplier : solution.lambda) excess += plain(multiplier) * Real(0.0);
+  for (const S& multiplier : solution.lambda) excess += plain(multiplier) * Real<S>(0.0);
   return excess;
-}
-
-/// The same for η̇ and â of an open mechanism, f̂ being found on the way by momentum_balance(), in one sweep and with the
-/// mean only: rounding errors of all that a body carries add up in f̂ here, so that good answers of long chains may not
-/// pass. solution.wrench is f̂ afterwards if `keep_wrenches`, scratch otherwise.
-template <class S>
-auto look_by_momentum_balance(const System<S>& system, Solution<S>& solution, bool keep_wrenches) {
-  ViolationOfEq12<S, MeanNumber> violation(system, solution, MeanNumber{});
-  if (keep_wrenches)
-    momentum_balance(system, solution, [&](int i, const Wrench<S>& f) {
-      solution.wrench[i] = f;
-      violation.add_body(i, f);
-    });
-  else
-    momentum_balance(
-        system, solution, [&](int i, const Wrench<S>& f) __attribute__((always_inline)) { violation.add_body(i, f); });
-  return violation.excess();
 }
 
 /// How large the quantities of an answer are, in two units: m/s² and N. Rotations are taken times the model's length,

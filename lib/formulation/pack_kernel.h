@@ -6,7 +6,7 @@
 #include <array>
 
 #include "lib/formulation/batch.h"
-#include "lib/formulation/judgement.h"
+#include "lib/formulation/momentum_balance.h"
 #include "lib/scalar/native_pack.h"
 #include "lib/system/evaluator.h"
 
@@ -26,7 +26,7 @@ class PackKernel final : public BatchKernel {
         solution_(model),
         state_{0, {}, {}},
         ahead_(model.bodies()),
-        deep_(deep(model)) {
+        balance_(model) {
     state_.q.resize(model.nq()), state_.v.resize(model.nv()), loads_.tau.resize(model.nv());
   }
 
@@ -56,24 +56,12 @@ class PackKernel final : public BatchKernel {
   /// Fills solution_; 0 where the answer has passed a look. The momentum balance is quick and strict; a pack that does
   /// not pass gets the look of Formulation::solve() at the answer that goes with it.
   P solved(const System<P>& system, bool all_outputs) {
-    if (!deep_) {
-      phases_.solve(system, solution_);
-      const P excess = judgement::look_by_momentum_balance(system, solution_, all_outputs);
-      if (vanishes(excess)) return excess;
-    }
+    phases_.solve(system, solution_);
+    const P excess = balance_.look(system, solution_, all_outputs);
+    if (vanishes(excess)) return excess;
     phases_.factorise(system);
     phases_.substitute(system, system.rhs, solution_);
     return judgement::first_look(system, solution_);
-  }
-
-  /// Whether most packs of good answers would not pass the momentum balance: of chains of 300 bodies a tenth did not,
-  /// of 500 two thirds.
-  static bool deep(const Model& model) {
-    constexpr int most = 300;
-    std::vector<int> depth(model.bodies(), 1);
-    for (int i = 0; i < model.bodies(); ++i)
-      if (const int p = model.link(i).parent; p != ground) depth[i] = depth[p] + 1;
-    return !depth.empty() && *std::max_element(depth.begin(), depth.end()) > most;
   }
 
   void call_for_next_states(const BatchStates& states, int first, const BatchAnswers& answers) {
@@ -135,7 +123,7 @@ class PackKernel final : public BatchKernel {
   Loads<P> loads_;
   const Loads<P> none_{};
   Prefetch ahead_;
-  bool deep_;
+  MomentumBalance<P> balance_;
 };
 
 /// A factory to be put into FormulationInfo.

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "lib/formulation/formulation.h"
-#include "lib/formulation/judgement.h"
+#include "lib/formulation/momentum_balance.h"
 #include "lib/io/mechanism.h"
 #include "lib/system/evaluator.h"
 #include "tests/support/zoo.h"
@@ -77,8 +77,9 @@ TEST(FirstLook, by_momentum_balance_finds_the_wrenches_and_refuses_the_same) {
     if (judgement::first_look(system, solution) != 0) continue;  // massless on purpose
     ++seen;
     const std::vector<Wrench<double>> expected = solution.wrench;
-    EXPECT_EQ(judgement::look_by_momentum_balance(system, solution, false), 0) << c.name;
-    EXPECT_EQ(judgement::look_by_momentum_balance(system, solution, true), 0) << c.name;
+    MomentumBalance<double> balance(c.model);
+    EXPECT_EQ(balance.look(system, solution, false), 0) << c.name;
+    EXPECT_EQ(balance.look(system, solution, true), 0) << c.name;
     const auto norm = [](const Wrench<double>& f) {
       return std::sqrt(dot(f.moment, f.moment) + dot(f.force, f.force));
     };
@@ -89,7 +90,7 @@ TEST(FirstLook, by_momentum_balance_finds_the_wrenches_and_refuses_the_same) {
     const auto refused = [&](double& number, double wrong) {
       const double good = std::exchange(number, wrong);
       for (const bool keep : {false, true})
-        EXPECT_FALSE(judgement::look_by_momentum_balance(system, solution, keep) == 0) << c.name << " " << wrong;
+        EXPECT_FALSE(balance.look(system, solution, keep) == 0) << c.name << " " << wrong;
       number = good;
     };
     for (double& vdot : solution.vdot) refused(vdot, std::numeric_limits<double>::quiet_NaN());
