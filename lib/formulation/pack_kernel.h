@@ -53,8 +53,8 @@ class PackKernel final : public BatchKernel {
  private:
   using Rows = std::array<P, P::lanes>;
 
-  /// Fills solution_; 0 where the answer has passed a look. The momentum balance is quick and strict; a pack that does
-  /// not pass gets the look of Formulation::solve() at the answer that goes with it.
+  /// Fills solution_; 0 where the answer has passed a look. The quick one is by the momentum balance; a pack that does
+  /// not pass it gets the look of Formulation::solve(), at the answer that goes with that.
   P solved(const System<P>& system, bool all_outputs) {
     phases_.solve(system, solution_);
     const P excess = balance_.look(system, solution_, all_outputs);
