@@ -41,7 +41,7 @@ class BatchKernel {
   virtual ~BatchKernel() = default;
   virtual int lanes() const = 0;
   /// States first .. first + count − 1, count ≤ lanes. Bit k of what it returns is set where the answer of state
-  /// first + k has passed the look of Formulation::solve(); the others are to be solved by themselves.
+  /// first + k has passed a look like that of Formulation::solve(); the others are to be solved by themselves.
   virtual unsigned solve(const BatchStates& states, int first, int count, const BatchOptions& options,
                          BatchAnswers& answers) = 0;
 };
