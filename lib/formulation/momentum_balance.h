@@ -38,7 +38,8 @@ class MomentumBalance {
       const auto& body = system.bodies[i];
       const Wrench<S>& load = system.rhs.force[i];
       Wrench<S> f = plus_product(-load, body.inertia, solution.acceleration[i]);
-      Real sum = sum_of_magnitudes(f) + sum_of_magnitudes(load);  // f̂^tc and M_i â_i may all but cancel
+      Real sum = sum_of_magnitudes(f);
+      if (link.nv == 6) sum += sum_of_magnitudes(load);  // of a free body f̂^tc and M_i â_i all but cancel
       if (!link.leaf) {
         f += by_next ? handed : waiting[i];
         sum += by_next ? sum_handed : made_of_[i];
