@@ -68,8 +68,7 @@ class OneByOne {
   std::vector<State<double>> states_;
 };
 
-/// What cores are worth: work that needs nothing but a core's own registers and multipliers, as much as they can do, on
-/// `threads` cores. Two that share their multipliers take twice the time of one.
+/// What cores are worth: work that needs nothing but a core's own registers and multipliers, on `threads` cores.
 void multiply_in_registers(int threads) {
   const auto work = [] {
     using P = Pack<double, 4>;

@@ -36,6 +36,15 @@ template <class S>
   return sum_of_magnitudes(f.moment) + sum_of_magnitudes(f.force);
 }
 
+/// The sum of the magnitudes of what a wrench f on body i is made of: its numbers; where the body is free f̂^tc and M_i
+/// â_i all but cancel, and those of its load count, too.
+template <class S>
+[[gnu::always_inline]] inline Real<S> made_of(const System<S>& system, int i, const Wrench<S>& f) {
+  Real<S> sum = sum_of_magnitudes(f);
+  if (system.model.link(i).nv == 6) sum += sum_of_magnitudes(system.rhs.force[i]);
+  return sum;
+}
+
 /// By how much eq. 12 is violated, summed over the velocities, beyond what rounding explains: 1e-9 of its terms, and
 /// 1e-12 of noise(f̂, load, made_of), the numbers that f̂ is made of; `made_of`: the sum of their magnitudes.
 template <class S, class Noise>
@@ -106,12 +115,8 @@ template <class S>
 Real<S> first_look(const System<S>& system, const Solution<S>& solution) {
   const auto look = [&](auto noise) {
     ViolationOfEq12<S, decltype(noise)> violation(system, solution, noise);
-    for (int i = 0; i < system.model.bodies(); ++i) {
-      const Wrench<S>& f = solution.wrench[i];
-      const bool free = system.model.link(i).nv == 6;  // f̂ is rounding itself then
-      violation.add_body(i, f,
-                         free ? sum_of_magnitudes(f) + sum_of_magnitudes(system.rhs.force[i]) : sum_of_magnitudes(f));
-    }
+    for (int i = 0; i < system.model.bodies(); ++i)
+      violation.add_body(i, solution.wrench[i], made_of(system, i, solution.wrench[i]));
     return violation.excess();
   };
   Real<S> excess = look(MeanNumber{});

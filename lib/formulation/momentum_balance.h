@@ -26,7 +26,6 @@ class MomentumBalance {
 
   template <bool keep_wrenches>
   Real sweep(const System<S>& system, Solution<S>& solution) {
-    using judgement::sum_of_magnitudes;
     judgement::ViolationOfEq12<S, judgement::MeanNumber> violation(system, solution, {});
     const std::span<const Link> links = system.model.links();
     std::vector<Wrench<S>>& waiting = solution.wrench;  // for a parent that is not next
@@ -36,10 +35,8 @@ class MomentumBalance {
     for (int i = system.model.bodies() - 1; i >= 0; --i) {
       const Link& link = links[i];
       const auto& body = system.bodies[i];
-      const Wrench<S>& load = system.rhs.force[i];
-      Wrench<S> f = plus_product(-load, body.inertia, solution.acceleration[i]);
-      Real sum = sum_of_magnitudes(f);
-      if (link.nv == 6) sum += sum_of_magnitudes(load);  // of a free body f̂^tc and M_i â_i all but cancel
+      Wrench<S> f = plus_product(-system.rhs.force[i], body.inertia, solution.acceleration[i]);
+      Real sum = judgement::made_of(system, i, f);
       if (!link.leaf) {
         f += by_next ? handed : waiting[i];
         sum += by_next ? sum_handed : made_of_[i];
