@@ -129,19 +129,4 @@ inline Sym3<S> cast(const Sym3<T>& m) {
   return {S(m.xx), S(m.yy), S(m.zz), S(m.xy), S(m.xz), S(m.yz)};
 }
 
-/// R m Rᵀ: a tensor given in the axes of R, in the axes R itself is given in. 75 operations. Always inlined: a result
-/// returned through memory costs the kinematics a tenth.
-template <class S, class T>
-[[gnu::always_inline]] inline Sym3<S> rotated(const Mat3<S>& R, const Sym3<T>& tensor) {
-  const Sym3<S> m = cast<S>(tensor);
-  const Vec3<S> kx = R * Vec3<S>{m.xx, m.xy, m.xz}, ky = R * Vec3<S>{m.xy, m.yy, m.yz},
-                kz = R * Vec3<S>{m.xz, m.yz, m.zz};
-  const auto entry = [](const S& a, const S& u, const S& b, const S& v, const S& c, const S& w) {
-    return a * u + b * v + c * w;
-  };
-  return {entry(kx.x, R.x.x, ky.x, R.y.x, kz.x, R.z.x), entry(kx.y, R.x.y, ky.y, R.y.y, kz.y, R.z.y),
-          entry(kx.z, R.x.z, ky.z, R.y.z, kz.z, R.z.z), entry(kx.x, R.x.y, ky.x, R.y.y, kz.x, R.z.y),
-          entry(kx.x, R.x.z, ky.x, R.y.z, kz.x, R.z.z), entry(kx.y, R.x.z, ky.y, R.y.z, kz.y, R.z.z)};
-}
-
 }  // namespace lanc

@@ -30,11 +30,12 @@ Evaluator<S>::Evaluator(const Model& model)
   for (int i = 0; i < model.bodies(); ++i) {
     const Link& link = model.link(i);
     Masses& masses = masses_[static_cast<unsigned>(i) / lanes];
+    const PrincipalTensor<double> J = principal_tensor(link.inertia.J);
     if constexpr (lanes == 1) {
-      masses = {link.inertia.h, link.inertia.J, link.weight};
+      masses = {link.inertia.h, J, link.weight};
     } else {
       set_lane<S>(masses.h, lane(i), link.inertia.h);
-      set_lane<S>(masses.J, lane(i), link.inertia.J);
+      masses.J.c.set(lane(i), J.c), set_lane<S>(masses.J.u, lane(i), J.u), set_lane<S>(masses.J.w, lane(i), J.w);
       set_lane<S>(masses.weight, lane(i), link.weight);
     }
     system_.bodies[i].inertia.mass = S(link.inertia.mass);

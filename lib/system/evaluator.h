@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lib/spatial/block.h"
+#include "lib/spatial/principal_tensor.h"
 #include "lib/system/between_bodies.h"
 #include "lib/system/body_frame.h"
 #include "lib/system/closure_blocks.h"
@@ -46,7 +47,7 @@ class Evaluator {
   /// Their inertias in joint axes, and weights.
   struct Masses {
     Vec3<PackedConstant<S>> h{};
-    Sym3<PackedConstant<S>> J{};
+    PrincipalTensor<PackedConstant<S>> J{};
     Vec3<PackedConstant<S>> weight{};
   };
   static unsigned lane(int body) { return static_cast<unsigned>(body) % lanes; }

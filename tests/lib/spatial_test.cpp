@@ -86,7 +86,20 @@ TEST_F(Spatial, vectors_and_matrices_are_those_of_linear_algebra) {
   expect_equal("c + m a", to_eigen(plus_product(b, m, a)), c + to_eigen(m) * to_eigen(a));
   expect_equal("c + transpose a", to_eigen(plus_transpose_product(b, m, a)), c + to_eigen(m).transpose() * to_eigen(a));
   expect_equal("c + symmetric a", to_eigen(plus_product(b, s, a)), c + dense(s) * to_eigen(a));
-  expect_equal("rotated", dense(rotated(m, s)), to_eigen(m) * dense(s) * to_eigen(m).transpose());
+}
+
+TEST_F(Spatial, tensors_in_principal_form_turn_as_r_m_rt_whatever_their_principal_values) {
+  const Sym3<double> tensors[] = {symmetric(),         {0, 0, 0, 0, 0, 0},    {2, 2, 2, 0, 0, 0},
+                                  {1, 0, 1, 0, 0, 0},  {1e-9, 1, 1, 0, 0, 0}, {3, 3, 3, -1, -1, -1},
+                                  {-1, 2, 0, 0, 0, 0}, {1, 2, 3, 0, 0, 0}};
+  const Eigen::Matrix3d turn = Eigen::Quaterniond(0.5, 0.1, -0.7, 0.3).normalized().toRotationMatrix();
+  for (const Sym3<double>& m : tensors) {
+    const PrincipalTensor<double> form = principal_tensor(m);
+    expect_equal("itself", dense(rotated(identity3<double>(), form)), dense(m));
+    expect_equal("turned", dense(rotated(from_eigen(turn), form)), turn * dense(m) * turn.transpose());
+  }
+  // A massless body and a rod have none about their axis, exactly: what is singular must show.
+  EXPECT_EQ(rotated(identity3<double>(), principal_tensor({1, 0, 1, 0, 0, 0})).yy, 0);
 }
 
 /// Out of one register, if this processor has such.
