@@ -10,6 +10,21 @@
 
 namespace lanc {
 
+namespace {
+
+FrameTurn turn_of(const Eigen::Matrix3d& X) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+  const auto stands = [&](const auto& a, const auto& b, const auto& c) {
+    return X.col(0) == a && X.col(1) == b && X.col(2) == c;
+  };
+  if (stands(x, y, z)) return FrameTurn::none;
+  if (stands(y, z, x)) return FrameTurn::yzx;
+  if (stands(z, x, y)) return FrameTurn::zxy;
+  return FrameTurn::other;
+}
+
+}  // namespace
+
 /// Turns a specification into Model::Data; one use.
 class ModelBuilder {
  public:
@@ -139,7 +154,9 @@ class ModelBuilder {
     link.parent = parent_[i];
     link.kind = joint.kind;
     link.pitch = joint.pitch;
-    link.X = from_eigen(Eigen::Matrix3d(to_parent_axes * joint.frame.rotation * Q));
+    const Eigen::Matrix3d X = to_parent_axes * joint.frame.rotation * Q;
+    link.X = from_eigen(X);
+    link.turn = parent_[i] == ground ? FrameTurn::none : turn_of(X);
     link.o = from_eigen(Eigen::Vector3d(to_parent_axes * joint.frame.position));
     const Eigen::Vector3d c = Q.transpose() * body.com;
     const Eigen::Matrix3d I = Q.transpose() * body.inertia * Q;

@@ -13,21 +13,26 @@
 
 namespace lanc {
 
+/// How the axes of a joint's frame stand in those of the predecessor: as these do, renamed in a circle (y z x or
+/// z x y), or in some other way. Kinematics need no product for the first three: 0.97 of the time of `recursive`.
+enum class FrameTurn : unsigned char { none, yzx, zxy, other };
+
 /// One body with the joint that carries it, in *joint axes*: z along the joint's axis (lib/model/joints/joint.h).
 struct Link {
   int parent = ground;  // p(i) < i, or ground
   JointKind kind;
-  int q = 0, v = 0;              // first position and velocity coordinate of the joint
-  int nq = 0, nv = 0;            // none if the motion is prescribed
-  int drive = -1;                // index among the prescribed freedoms, or −1
-  int angle = 0;                 // first of its angles in Model::angles()
-  bool last_sibling = false;     // the first of its siblings to be met from leaf to root
-  bool leaf = true;              // carries no other body
-  double pitch = 0;              // m/rad
-  Mat3<double> X;                // axes of the joint's frame on the predecessor, in the predecessor's axes
-  Vec3<double> o;                // its origin there
-  RigidInertia<double> inertia;  // about the reference point
-  Vec3<double> weight;           // m g, world axes
+  int q = 0, v = 0;                   // first position and velocity coordinate of the joint
+  int nq = 0, nv = 0;                 // none if the motion is prescribed
+  int drive = -1;                     // index among the prescribed freedoms, or −1
+  int angle = 0;                      // first of its angles in Model::angles()
+  bool last_sibling = false;          // the first of its siblings to be met from leaf to root
+  bool leaf = true;                   // carries no other body
+  FrameTurn turn = FrameTurn::other;  // X; on the ground none
+  double pitch = 0;                   // m/rad
+  Mat3<double> X;                     // axes of the joint's frame on the predecessor, in the predecessor's axes
+  Vec3<double> o;                     // its origin there
+  RigidInertia<double> inertia;       // about the reference point
+  Vec3<double> weight;                // m g, world axes
 };
 
 /// The passive forces of one velocity coordinate that has any.

@@ -68,10 +68,14 @@ Eigen::Matrix3d axes_along(const Place& place, const std::string& who, std::stri
     return Eigen::Vector3d(scaled / scaled.norm());
   };
   const Eigen::Vector3d z = unit(axis, Eigen::Vector3d::UnitZ(), "axis");
-  // Without a second axis: the coordinate axis least along z, made perpendicular; exactly x for z = (0, 0, 1).
-  int least = 0;
-  if (std::abs(z.y()) < std::abs(z[least])) least = 1;
-  if (std::abs(z.z()) < std::abs(z[least])) least = 2;
+  // Without a second axis: the coordinate axis least along z, made perpendicular; exactly x for z = (0, 0, 1). Where x
+  // has no meaning of its own, of two as good the one that follows z, so that coordinate axes are only renamed.
+  int most = 0;
+  if (takes == JointAxes::one) z.cwiseAbs().maxCoeff(&most);
+  const int first = takes == JointAxes::one ? (most + 1) % 3 : 0;
+  int least = first;
+  for (const int k : {(first + 1) % 3, (first + 2) % 3})
+    if (std::abs(z[k]) < std::abs(z[least])) least = k;
   const Eigen::Vector3d preset = (Eigen::Vector3d::Unit(least) - z * z[least]).normalized();
   const Eigen::Vector3d x = unit(axis2, preset, "axis2");
   if (std::abs(x.dot(z)) > 1e-9)

@@ -21,8 +21,8 @@ template <class S>
 inline void sines_and_cosines(const S* angle, S* sine, S* cosine, int n) {
   for (int k = 0; k < n; ++k) sine[k] = sin(angle[k]), cosine[k] = cos(angle[k]);
 }
-/// To one unit in the last place, by SLEEF's vector functions where built with it: a seventh of the time of libm's,
-/// which were a third of the kinematics of a chain. NaN and infinity give NaN. Tested by tests/lib/pack_test.cpp.
+/// To one unit in the last place (0.9 at worst, with fused multiply-add 0.84), several at once. NaN and infinity give
+/// NaN. Tested by tests/lib/pack_test.cpp.
 void sines_and_cosines(const double* angle, double* sine, double* cosine, int n);
 void sines_and_cosines(const float* angle, float* sine, float* cosine, int n);
 

@@ -21,9 +21,11 @@ inline PrincipalTensor<double> principal_tensor(const Sym3<double>& m) {
   Eigen::Matrix3d dense;
   dense << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(dense);
-  const auto [c, b, a] = std::tuple(principal.eigenvalues()[0], principal.eigenvalues()[1], principal.eigenvalues()[2]);
-  return {c, from_eigen(Eigen::Vector3d(std::sqrt(a - c) * principal.eigenvectors().col(2))),
-          from_eigen(Eigen::Vector3d(std::sqrt(b - c) * principal.eigenvectors().col(1)))};
+  const Eigen::Vector3d& value = principal.eigenvalues();
+  const auto along = [&](int k) {
+    return from_eigen(Eigen::Vector3d(std::sqrt(value[k] - value[0]) * principal.eigenvectors().col(k)));
+  };
+  return {value[0], along(2), along(1)};
 }
 
 /// R m Rᵀ: a tensor given in the axes of R, in the axes R itself is given in. 51 operations, 75 for six entries: a

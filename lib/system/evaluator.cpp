@@ -23,6 +23,8 @@ Evaluator<S>::Evaluator(const Model& model)
       closure_blocks_(closure_blocks(model.closures())),
       positions_(model.bodies()),
       twists_(model.bodies()) {
+  only_angles_ = model.nq() == static_cast<int>(sampled_.size());
+  for (int k = 0; only_angles_ && k < model.nq(); ++k) only_angles_ = sampled_[k] == k;
   if (!sampled_.empty()) sampled_.resize(angles_.size(), sampled_.back());
   // Columns of pure rotations and translations keep these zeros; step() writes the other half only.
   for (auto& column : system_.columns) column = {{S(0.0), S(0.0), S(0.0)}, {S(0.0), S(0.0), S(0.0)}};
@@ -42,10 +44,23 @@ Evaluator<S>::Evaluator(const Model& model)
   }
 }
 
+namespace {
+
+/// R X.
+template <FrameTurn turn, class S, class W>
+[[gnu::always_inline]] inline Mat3<W> turned(const Mat3<W>& R, const Mat3<double>& X) {
+  if constexpr (turn == FrameTurn::none) return R;
+  if constexpr (turn == FrameTurn::yzx) return {R.y, R.z, R.x};
+  if constexpr (turn == FrameTurn::zxy) return {R.z, R.x, R.y};
+  if constexpr (turn == FrameTurn::other) return R * cast<S>(X);
+}
+
+}  // namespace
+
 /// One body: pose and angular velocity (5), (7), bias acceleration (9). Works on local copies and stores them at the
 /// end: the compiler cannot know that the arrays do not overlap.
 template <class S>
-template <class Joint>
+template <class Joint, FrameTurn turn>
 void Evaluator<S>::step(int body, const S* q, const S* v) {
   constexpr JointTraits traits = Joint::traits;
   using W = Widest<S>;
@@ -67,7 +82,7 @@ void Evaluator<S>::step(int body, const S* q, const S* v) {
     const BodyFrame<S>& parent = frames_[link.parent];
     const Mat3<W> R{load<W>(parent.x), load<W>(parent.y), load<W>(parent.z)};
     const Vec3<W> omega = load<W>(parent.omega);
-    joint.F = R * cast<S>(link.X);
+    joint.F = turned<turn, S>(R, link.X);
     Joint::move(q, turns.data(), v, joint, columns.data());
     r = R * cast<S>(link.o);
     if constexpr (traits.moves_origin) r += joint.displacement;
@@ -119,8 +134,14 @@ void Evaluator<S>::weigh(int block) {
 
 template <class S>
 const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loads, [[maybe_unused]] Prefetch* ahead) {
+  using Step = void (*)(Evaluator&, int body, const S* q, const S* v);
   static constexpr auto steps = for_each_joint_kind([]<class Joint>() {
-    return +[](Evaluator& self, int body, const S* q, const S* v) { self.step<Joint>(body, q, v); };
+    constexpr auto with = []<FrameTurn turn>() -> Step {
+      return [](Evaluator& self, int body, const S* q, const S* v) { self.step<Joint, turn>(body, q, v); };
+    };
+    using enum FrameTurn;  // in their order
+    return std::array{with.template operator()<none>(), with.template operator()<yzx>(),
+                      with.template operator()<zxy>(), with.template operator()<other>()};
   });
   const Model& model = system_.model;
   sample_motions(state.t);
@@ -129,13 +150,14 @@ const System<S>& Evaluator<S>::system(const State<S>& state, const Loads<S>& loa
   const int n = model.bodies();
   for (int i = 0; i < n; ++i) {
     if constexpr (std::is_same_v<S, NativePack>)
-      if (ahead) ahead->step();
+      if (ahead && i % Prefetch::bodies_a_step == 0) ahead->step();
     const Link& link = model.link(i);
+    const Step step = steps[link.kind.index][static_cast<int>(link.turn)];
     if (link.drive < 0) {
-      steps[link.kind.index](*this, i, state.q.data() + link.q, state.v.data() + link.v);
+      step(*this, i, state.q.data() + link.q, state.v.data() + link.v);
     } else {
       const S position(motions_[link.drive].position), velocity(motions_[link.drive].velocity);
-      steps[link.kind.index](*this, i, &position, &velocity);
+      step(*this, i, &position, &velocity);
     }
     if ((i + 1) % width == 0 || i + 1 == n) weigh(i / width);
   }
@@ -158,6 +180,9 @@ void Evaluator<S>::sample_motions(double t) {
 
 template <class S>
 void Evaluator<S>::sample_angles(const State<S>& state) {
+  if constexpr (lanes == 1)
+    if (only_angles_)
+      return sines_and_cosines(state.q.data(), sines_.data(), cosines_.data(), static_cast<int>(sines_.size()));
   // In whole blocks: what is written number by number is late for a block.
   constexpr int width = lanes;
   const int n = static_cast<int>(sampled_.size());

@@ -20,7 +20,7 @@ class Evaluator {
   explicit Evaluator(const Model& model);
 
   /// Coefficients of eq. 14 at a state. Sizes must be right (checked_state) and Euler parameters normalised. O(n).
-  /// About 260 flops and two trigonometric functions per revolute body. Packs take a step of `ahead` with every body.
+  /// About 235 flops and two trigonometric functions per revolute body. Packs take the steps of `ahead` on the way.
   const System<S>& system(const State<S>& state, const Loads<S>& loads = {}, Prefetch* ahead = nullptr);
 
   /// Baumgarte's stabilisation (1972) of the coefficients evaluated last: conditions g̈ + 2α ġ + α² g = 0 in place of
@@ -51,7 +51,7 @@ class Evaluator {
     Vec3<PackedConstant<S>> weight{};
   };
   static unsigned lane(int body) { return static_cast<unsigned>(body) % lanes; }
-  template <class Joint>
+  template <class Joint, FrameTurn turn>
   void step(int body, const S* q, const S* v);
   void weigh(int block);
   void sample_motions(double t);
@@ -68,6 +68,7 @@ class Evaluator {
   std::vector<Vec3<S>> origin_velocities_;  // C η of the origins of joints that move them, for twists()
   std::vector<MotionSample> motions_;
   std::vector<int> sampled_;  // Model::angles(), the last one filling whole blocks up
+  bool only_angles_;          // they are β
   std::vector<S> angles_, sines_, cosines_;
   std::vector<ClosureBlock> closure_blocks_;
   MovingBody<B> ends_a_{}, ends_b_{};  // of a block of closures

@@ -8,11 +8,15 @@
 
 namespace lanc {
 
-/// Stretches of numbers, each called for in `steps` steps: all at once, and a processor waits that keeps account of
-/// some thirty lines of memory on their way (packs of chains of 64 and 100: 1.09 and 1.13 of the time).
+/// Stretches of numbers, each called for in as many steps as there are `bodies` to be met: all at once, and a processor
+/// waits that keeps account of some thirty lines of memory on their way (packs of chains of 64 and 100: 1.09 and 1.13
+/// of the time).
 class Prefetch {
  public:
-  explicit Prefetch(int steps) : steps_(steps) {}
+  /// A step for so many bodies: with each body they took a hundredth of the time.
+  static constexpr int bodies_a_step = 4;
+
+  explicit Prefetch(int bodies) : steps_((bodies + bodies_a_step - 1) / bodies_a_step) {}
 
   void clear() { count_ = 0; }
   /// Numbers [first, first + size) as far as there are any.

@@ -134,6 +134,27 @@ TEST(Sines, of_many_angles_are_those_of_single_ones_to_a_unit_in_the_last_place)
   }
 }
 
+/// |x − exact| in units in the last place of x.
+double units(double x, long double exact) {
+  return static_cast<double>(std::abs(x - exact) / (std::nextafter(std::abs(x), infinite) - std::abs(x)));
+}
+
+TEST(Sines, are_to_a_unit_in_the_last_place_in_many_turns_at_their_zeros_and_beyond_those_that_are_taken_at_once) {
+  std::vector<double> angle;
+  for (const double range : {0.8, 4.0, 1e3, 1.99e5, 1e8})
+    for (int k = 1; k < 20'000; ++k) angle.push_back(range * std::sin(0.618 * k));
+  for (int quarter = 1; quarter < 127'000; quarter += quarter < 1000 ? 1 : 131) {
+    const double nearest = quarter * 1.57079632679489662;
+    angle.insert(angle.end(), {nearest, std::nextafter(nearest, 0.0), std::nextafter(nearest, infinite)});
+  }
+  std::vector<double> sine(angle.size()), cosine(angle.size());
+  sines_and_cosines(angle.data(), sine.data(), cosine.data(), static_cast<int>(angle.size()));
+  for (std::size_t k = 0; k < angle.size(); ++k) {
+    EXPECT_LE(units(sine[k], std::sin(static_cast<long double>(angle[k]))), 1) << angle[k];
+    EXPECT_LE(units(cosine[k], std::cos(static_cast<long double>(angle[k]))), 1) << angle[k];
+  }
+}
+
 TEST(Sines, do_not_depend_on_where_among_others_an_angle_stands) {
   std::vector<double> angle(29), sine(29), cosine(29);
   for (int k = 0; k < 29; ++k) angle[k] = 0.1 + 0.37 * k;
