@@ -15,12 +15,6 @@ struct MovingBody {
   Motion<S> twist;
 };
 
-template <class S>
-MovingBody<S> ground_at_rest() {
-  const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
-  return {identity3<S>(), none, {none, none}};
-}
-
 /// Force on end a of a spring whose other end is away by `d` and moves away with `speed`. A spring without rest length
 /// pulls with stiffness · d, smooth at d = 0; its damper there acts along the speed, as it does just before and after.
 /// A spring with a rest length has no limit at d = 0: the force is not a number.
@@ -86,7 +80,7 @@ void move_frame(Frame<S>& A, double pitch, const MotionSample& motion) {
   A.arm += r, A.position += r;
 }
 
-/// Calls store(k, row) for the conditions k = 0, 1, ... of a closure.
+/// Calls store(k, row) for the conditions k = 0, 1, ... of a closure. Always inlined: bodies are not copied first.
 template <class S, class Store>
 void rows_of(const Closure& c, const ClosureSet& set, double t, const MovingBody<S>& a, const MovingBody<S>& b,
              Store&& store) {

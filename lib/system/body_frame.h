@@ -20,5 +20,9 @@ template <class S>
 [[gnu::always_inline]] inline Vec3<S> vector_at(const typename BodyFrame<S>::Place& place) {
   return {place[0], place[1], place[2]};
 }
+template <class S>
+[[gnu::always_inline]] inline Mat3<S> axes_of(const BodyFrame<S>& frame) {
+  return {vector_at<S>(frame.x), vector_at<S>(frame.y), vector_at<S>(frame.z)};
+}
 
 }  // namespace lanc

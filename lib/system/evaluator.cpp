@@ -180,12 +180,10 @@ void Evaluator<S>::sample_motions(double t) {
 
 template <class S>
 void Evaluator<S>::sample_angles(const State<S>& state) {
-  if constexpr (lanes == 1)
-    if (only_angles_)
-      return sines_and_cosines(state.q.data(), sines_.data(), cosines_.data(), static_cast<int>(sines_.size()));
+  const int n = static_cast<int>(sampled_.size());
+  if (lanes == 1 && only_angles_) return sines_and_cosines(state.q.data(), sines_.data(), cosines_.data(), n);
   // In whole blocks: what is written number by number is late for a block.
   constexpr int width = lanes;
-  const int n = static_cast<int>(sampled_.size());
   for (int first = 0; first < n; first += width) {
     B block;
     for (int k = 0; k < width; ++k) {
@@ -194,7 +192,7 @@ void Evaluator<S>::sample_angles(const State<S>& state) {
     }
     store_block<S>(block, angles_.data() + first);
   }
-  sines_and_cosines(angles_.data(), sines_.data(), cosines_.data(), static_cast<int>(angles_.size()));
+  sines_and_cosines(angles_.data(), sines_.data(), cosines_.data(), n);
 }
 
 /// Joint springs, dampers, Coulomb friction and constant torques: into τ, or onto the drive of a prescribed freedom.
@@ -219,7 +217,11 @@ void Evaluator<S>::apply_passive(const State<S>& state) {
 
 template <class S>
 [[gnu::always_inline]] inline MovingBody<S> Evaluator<S>::moving_body(int body) const {
-  return body == ground ? ground_at_rest<S>() : MovingBody<S>{rotation(body), positions_[body], twists_[body]};
+  const BodyFrame<S>* frame = &ground_.frame;
+  const Vec3<S>* position = &ground_.position;
+  const Motion<S>* twist = &ground_.twist;
+  if (body != ground) frame = &frames_[body], position = &positions_[body], twist = &twists_[body];
+  return {axes_of(*frame), *position, *twist};
 }
 
 template <class S>
@@ -271,14 +273,9 @@ void Evaluator<S>::close_loops(const State<S>& state) {
 /// As moving_body(), into a lane. Always inlined: through memory it took a tenth of the kinematics of a ladder.
 template <class S>
 [[gnu::always_inline]] inline void Evaluator<S>::set_moving_body(MovingBody<B>& block, int lane, int body) const {
-  const auto set = [&](const MovingBody<S>& one) __attribute__((always_inline)) {
-    set_lane<S>(block.axes, lane, one.axes), set_lane<S>(block.position, lane, one.position);
-    set_lane<S>(block.twist.angular, lane, one.twist.angular), set_lane<S>(block.twist.linear, lane, one.twist.linear);
-  };
-  if (body == ground)
-    set(ground_at_rest<S>());
-  else
-    set({rotation(body), positions_[body], twists_[body]});
+  const MovingBody<S> one = moving_body(body);
+  set_lane<S>(block.axes, lane, one.axes), set_lane<S>(block.position, lane, one.position);
+  set_lane<S>(block.twist.angular, lane, one.twist.angular), set_lane<S>(block.twist.linear, lane, one.twist.linear);
 }
 
 /// The rows of a block of closures, all at once.

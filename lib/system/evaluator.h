@@ -28,10 +28,7 @@ class Evaluator {
   const System<S>& stabilise(double alpha);
 
   /// World axes of body i's joint axes and position of its reference point, at the last state.
-  [[gnu::always_inline]] Mat3<S> rotation(int body) const {
-    const BodyFrame<S>& frame = frames_[body];
-    return {vector_at<S>(frame.x), vector_at<S>(frame.y), vector_at<S>(frame.z)};
-  }
+  [[gnu::always_inline]] Mat3<S> rotation(int body) const { return axes_of(frames_[body]); }
   Vec3<S> angular_velocity(int body) const { return vector_at<S>(frames_[body].omega); }
   /// World axes of the user's body axes.
   Mat3<S> body_rotation(int body) const;
@@ -50,6 +47,12 @@ class Evaluator {
     PrincipalTensor<PackedConstant<S>> J{};
     Vec3<PackedConstant<S>> weight{};
   };
+  /// The ground, as bodies are kept.
+  struct Ground {
+    BodyFrame<S> frame{{S(1.0), S(0.0), S(0.0)}, {S(0.0), S(1.0), S(0.0)}, {S(0.0), S(0.0), S(1.0)}, {}};
+    Vec3<S> position{S(0.0), S(0.0), S(0.0)};
+    Motion<S> twist{position, position};
+  };
   static unsigned lane(int body) { return static_cast<unsigned>(body) % lanes; }
   template <class Joint, FrameTurn turn>
   void step(int body, const S* q, const S* v);
@@ -64,6 +67,7 @@ class Evaluator {
 
   System<S> system_;
   std::vector<BodyFrame<S>> frames_;  // in whole blocks
+  Ground ground_;
   std::vector<Masses> masses_;
   std::vector<Vec3<S>> origin_velocities_;  // C η of the origins of joints that move them, for twists()
   std::vector<MotionSample> motions_;

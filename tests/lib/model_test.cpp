@@ -170,6 +170,28 @@ TEST(Model, takes_axes_of_any_length) {
   }
 }
 
+TEST(Model, knows_joint_frames_that_only_rename_the_axes_of_their_predecessor) {
+  ModelSpec spec = good();
+  for (int i = 0; i < 3; ++i) {
+    spec.joints[i].parent = i == 0 ? "" : spec.bodies[i - 1].name;
+    spec.joints[i].frame.rotation.setIdentity();
+    spec.joints[i].axis2.reset();
+  }
+  const Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  for (int first = 0; first < 3; ++first)
+    for (int second = 0; second < 3; ++second) {
+      spec.joints[0].axis = axes.col(0), spec.joints[1].axis = axes.col(first), spec.joints[2].axis = axes.col(second);
+      const Model model = Model::build(spec);
+      EXPECT_EQ(model.link(0).turn, FrameTurn::none) << "on the ground there is no product";
+      // x of the joint's axes follows its axis z
+      EXPECT_EQ(static_cast<int>(model.link(2).turn), (second - first + 3) % 3) << first << second;
+    }
+  spec.joints[2].axis = -axes.col(1);
+  EXPECT_EQ(Model::build(spec).link(2).turn, FrameTurn::other);
+  spec.joints[2].axis = Eigen::Vector3d(1, 1e-9, 0);
+  EXPECT_EQ(Model::build(spec).link(2).turn, FrameTurn::other);
+}
+
 TEST(Model, accepts_nonphysical_inertia_only_when_told) {
   ModelSpec spec = good();
   spec.bodies[1].inertia = Eigen::Vector3d(1, 1, 3).asDiagonal();
