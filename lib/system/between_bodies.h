@@ -80,7 +80,7 @@ void move_frame(Frame<S>& A, double pitch, const MotionSample& motion) {
   A.arm += r, A.position += r;
 }
 
-/// Calls store(k, row) for the conditions k = 0, 1, ... of a closure. Always inlined: bodies are not copied first.
+/// Calls store(k, row) for the conditions k = 0, 1, ... of a closure.
 template <class S, class Store>
 void rows_of(const Closure& c, const ClosureSet& set, double t, const MovingBody<S>& a, const MovingBody<S>& b,
              Store&& store) {
