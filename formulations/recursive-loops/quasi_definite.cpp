@@ -75,30 +75,38 @@ void QuasiDefinite::fill() {
   }
 }
 
-/// ρ and −μ; rows that do not count have 1 on the diagonal of eq. 14, and −1 after this.
-void QuasiDefinite::regularise(const System<double>& system, std::span<const char> independent) {
+/// ρ and −μ, `strength` times; rows that do not count have 1 on the diagonal of eq. 14, and −1 after this.
+void QuasiDefinite::regularise(const System<double>& system, std::span<const char> independent, double strength) {
+  const double mu = strength * relative_mu, rho = strength * relative_rho;
   for (int i = 0; i < model_.bodies(); ++i) {
     const RigidInertia<double>& M = system.bodies[i].inertia;
     const double turning = half_trace(M);
     double* const f = shift_.data() + matrix_.column(i, Block::wrench);
-    for (int k = 0; k < 3; ++k) f[k] = -relative_mu / turning, f[3 + k] = -relative_mu / M.mass;
+    for (int k = 0; k < 3; ++k) f[k] = -mu / turning, f[3 + k] = -mu / M.mass;
     const Link& link = model_.link(i);
     for (int k = link.v; k < link.v + link.nv; ++k) {
       const bool slides = model_.column_kind(k) == ColumnKind::translation;
       shift_[matrix_.column(i, Block::velocity) + k - link.v] =
-          model_.armature()[k] != 0 ? 0 : relative_rho * (slides ? M.mass : turning);
+          model_.armature()[k] != 0 ? 0 : rho * (slides ? M.mass : turning);
     }
   }
   for (int k = 0; k < model_.closures().rows(); ++k)
-    shift_[matrix_.column(k, Block::closure)] = independent[k] ? -relative_mu * free_[k] : -2;
+    shift_[matrix_.column(k, Block::closure)] = independent[k] ? -mu * free_[k] : -2;
 }
 
 bool QuasiDefinite::factorise(const System<double>& system, std::span<const char> independent) {
   independent_.assign(independent.begin(), independent.end());
   matrix_.refill(system, independent);
-  regularise(system, independent);
-  fill();
-  if (solver_->factorise(view()).result != Factorisation::Result::done) return false;
+  // Rounding may make a pivot vanish that ρ and μ keep from zero, then ten times as much does.
+  for (const double strength : {1.0, 10.0}) {
+    regularise(system, independent, strength);
+    fill();
+    if (solver_->factorise(view()).result == Factorisation::Result::done && signs_are_right()) return true;
+  }
+  return false;
+}
+
+bool QuasiDefinite::signs_are_right() const {
   const LdlFactors f = solver_->factors();
   for (int j = 0; j < matrix_.size(); ++j)
     if (!(f.values[f.starts[j]] * sign_[f.order[j]] > 0)) return false;

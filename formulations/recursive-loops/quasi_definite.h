@@ -34,7 +34,8 @@ class QuasiDefinite {
  private:
   SparseView view() const;
   void fill();
-  void regularise(const System<double>& system, std::span<const char> independent);
+  void regularise(const System<double>& system, std::span<const char> independent, double strength);
+  bool signs_are_right() const;
   double size(const Solution<double>& solution) const;
   double size(const System<double>& system, const RightHandSide<double>& rhs) const;
   double open_closures() const;
