@@ -53,14 +53,18 @@ WrenchPair<S> spring_wrenches(const PointSpring& spring, const MovingBody<S>& a,
 
 namespace closure {
 
-/// Frame that the model gives in the body's joint axes.
+/// Point and frame that the model gives in the body's joint axes.
+template <class S, class Constant>
+[[gnu::always_inline]] inline Origin<S> origin_on(const MovingBody<S>& body, const Vec3<Constant>& point) {
+  const Motion<S>& v = body.twist;
+  const Vec3<S> arm = body.axes * cast<S>(point), turn = cross(v.angular, arm);
+  return {arm, body.position + arm, v.angular, v.linear + turn, cross(v.angular, turn)};
+}
 template <class S, class Constant>
 [[gnu::always_inline]] inline Frame<S> frame_on(const MovingBody<S>& body, const Mat3<Constant>& axes,
                                                 const Vec3<Constant>& point) {
-  const Motion<S>& v = body.twist;
-  const Vec3<S> arm = body.axes * cast<S>(point), turn = cross(v.angular, arm), none{S(0.0), S(0.0), S(0.0)};
-  return {body.axes * cast<S>(axes),     arm, body.position + arm, v.angular, v.linear + turn,
-          {none, cross(v.angular, turn)}};
+  const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
+  return {origin_on(body, point), body.axes * cast<S>(axes), none};
 }
 
 /// Moves frame A by the prescribed motion of a joint with one freedom, as (5), (7) and (9) do for a tree joint.
@@ -72,18 +76,30 @@ void move_frame(Frame<S>& A, double pitch, const MotionSample& motion) {
   const S position(motion.position), velocity(motion.velocity);
   Joint::move(&position, turns_of<Joint>(&position).data(), &velocity, step, &C);
   const Vec3<S>&w = A.angular, &r = step.displacement, &u = step.linear;
-  A.bias.angular += cross(w, step.angular) + C.angular * S(motion.acceleration);
-  A.bias.linear += cross(w, cross(w, r)) + cross(w, u) * S(2.0) + C.linear * S(motion.acceleration);
+  A.angular_bias += cross(w, step.angular) + C.angular * S(motion.acceleration);
+  A.bias += cross(w, cross(w, r)) + cross(w, u) * S(2.0) + C.linear * S(motion.acceleration);
   A.linear += cross(w, r) + u;
   A.angular += step.angular;
   A.axes = step.R;
   A.arm += r, A.position += r;
 }
 
-/// Calls store(k, row) for the conditions k = 0, 1, ... of a closure.
+/// Rows of a closure that is only about a point (Conditions::only_along) and has no motion: axes of B need not be
+/// known, nor what else a Frame has. A sixth of the kinematics of one loop. `c`: a Closure, or a ClosureBlock on packs.
+template <class Places, class S, class Store>
+[[gnu::always_inline]] inline void rows_of_points(const Conditions& conditions, const Places& c, const MovingBody<S>& a,
+                                                  const MovingBody<S>& b, Store&& store) {
+  const Origin<S> A = origin_on(a, c.point_a), B = origin_on(b, c.point_b);
+  const Separation<S> from_a(A, B);
+  for (int k = 0; k < conditions.count; ++k)
+    store(k, along(A, a.axes * cast<S>(axis(c.axes_a, conditions.rows[k].i)), B, from_a));
+}
+
+/// Those of any other. Takes the bodies by value: by reference their numbers, and those of the frames, would wait in
+/// memory for a closure that is only about a point, too.
 template <class S, class Store>
-void rows_of(const Closure& c, const ClosureSet& set, double t, const MovingBody<S>& a, const MovingBody<S>& b,
-             Store&& store) {
+[[gnu::noinline]] void rows_of_frames(const Closure& c, const ClosureSet& set, double t, MovingBody<S> a,
+                                      MovingBody<S> b, Store&& store) {
   static constexpr auto movers = for_each_joint_kind([]<class Joint>() {
     if constexpr (Joint::traits.nv == 1)
       return &move_frame<S, Joint>;
@@ -99,6 +115,16 @@ void rows_of(const Closure& c, const ClosureSet& set, double t, const MovingBody
   const Conditions& conditions = c.conditions();
   const Separation<S> from_a = conditions.has_along() ? Separation<S>(A, B) : Separation<S>();
   for (int k = 0; k < conditions.count; ++k) store(k, condition(conditions.rows[k], A, B, from_a, S(c.pitch), motion));
+}
+
+/// Calls store(k, row) for the conditions k = 0, 1, ... of a closure.
+template <class S, class Store>
+[[gnu::always_inline]] inline void rows_of(const Closure& c, const ClosureSet& set, double t, const MovingBody<S>& a,
+                                           const MovingBody<S>& b, Store&& store) {
+  if (const Conditions& conditions = c.conditions(); c.motion < 0 && conditions.only_along())
+    rows_of_points(conditions, c, a, b, store);
+  else
+    rows_of_frames(c, set, t, a, b, store);
 }
 
 }  // namespace closure

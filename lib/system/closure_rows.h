@@ -9,15 +9,20 @@
 
 namespace lanc::closure {
 
-/// Frame A or B at one instant, world axes: fixed on its body, or moved on it by a prescribed motion.
+/// Origin of frame A or B at one instant, world axes: fixed on its body, or moved on it by a prescribed motion.
 template <class S>
-struct Frame {
+struct Origin {
+  Vec3<S> arm;  // from the body's reference point
+  Vec3<S> position;
+  Vec3<S> angular;  // angular velocity of the frame
+  Vec3<S> linear;   // velocity of the origin
+  Vec3<S> bias;     // acceleration of the origin while â of the body is zero
+};
+
+template <class S>
+struct Frame : Origin<S> {
   Mat3<S> axes;
-  Vec3<S> arm;       // from the body's reference point to the origin
-  Vec3<S> position;  // of the origin
-  Vec3<S> angular;   // angular velocity of the frame
-  Vec3<S> linear;    // velocity of the origin
-  Motion<S> bias;    // acceleration of the frame and its origin while â of the body is zero
+  Vec3<S> angular_bias;  // angular acceleration of the frame while â of the body is zero
 };
 
 /// A function f of two bodies' poses and time: ḟ = rate, f̈ = a·â_a + b·â_b + bias.
@@ -56,7 +61,7 @@ Row<S> product(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B, const Vec
           {-s, none},
           {s, none},
           dot(s, relative),
-          dot(s_rate, relative) + dot(s, B.bias.angular - A.bias.angular)};
+          dot(s_rate, relative) + dot(s, B.angular_bias - A.angular_bias)};
 }
 
 /// Where the origin of B is, seen from A: for any u fixed in A, u·d and its derivatives u·rate and, while no â acts,
@@ -66,21 +71,25 @@ struct Separation {
   Vec3<S> d, rate, bias;
 
   Separation() = default;
-  [[gnu::always_inline]] Separation(const Frame<S>& A, const Frame<S>& B) : d(B.position - A.position) {
-    const Vec3<S>& w = A.angular;
-    const Vec3<S> d_rate = B.linear - A.linear, turn = cross(d, w);
-    rate = d_rate + turn;
-    bias = B.bias.linear - A.bias.linear + cross(d_rate + rate, w) + cross(d, A.bias.angular);
+  /// A turns as its body does.
+  [[gnu::always_inline]] Separation(const Origin<S>& A, const Origin<S>& B) : d(B.position - A.position) {
+    const Vec3<S> d_rate = B.linear - A.linear;
+    rate = d_rate + cross(d, A.angular);
+    bias = B.bias - A.bias + cross(d_rate + rate, A.angular);
+  }
+  [[gnu::always_inline]] Separation(const Frame<S>& A, const Frame<S>& B)
+      : Separation(static_cast<const Origin<S>&>(A), static_cast<const Origin<S>&>(B)) {
+    bias += cross(d, A.angular_bias);
   }
 };
 
 /// u·(p_B − p_A) for u fixed in A. Always inlined, as condition() is: a row returned through memory costs the
 /// kinematics of one loop 7 %.
 template <class S>
-[[gnu::always_inline]] inline Row<S> along(const Frame<S>& A, const Vec3<S>& u, const Frame<S>& B,
+[[gnu::always_inline]] inline Row<S> along(const Origin<S>& A, const Vec3<S>& u, const Origin<S>& B,
                                            const Separation<S>& from_a) {
   return {dot(u, from_a.d),
-          {-cross(from_a.d + A.arm, u), -u},
+          {cross(u, from_a.d + A.arm), -u},
           {cross(B.arm, u), u},
           dot(u, from_a.rate),
           dot(u, from_a.bias)};
@@ -88,7 +97,7 @@ template <class S>
 
 /// |p_B − p_A|; not finite where the points meet.
 template <class S>
-Row<S> distance(const Frame<S>& A, const Frame<S>& B) {
+Row<S> distance(const Origin<S>& A, const Origin<S>& B) {
   const Vec3<S> d = B.position - A.position, d_rate = B.linear - A.linear;
   const S length = sqrt(dot(d, d)), inverse = S(1.0) / length;
   const Vec3<S> n = d * inverse;
@@ -97,11 +106,11 @@ Row<S> distance(const Frame<S>& A, const Frame<S>& B) {
           {-cross(A.arm, n), -n},
           {cross(B.arm, n), n},
           rate,
-          dot(n, B.bias.linear - A.bias.linear) + (dot(d_rate, d_rate) - rate * rate) * inverse};
+          dot(n, B.bias - A.bias) + (dot(d_rate, d_rate) - rate * rate) * inverse};
 }
 
 template <class S>
-const Vec3<S>& axis(const Mat3<S>& frame, int i) {
+[[gnu::always_inline]] inline const Vec3<S>& axis(const Mat3<S>& frame, int i) {
   return i == 0 ? frame.x : i == 1 ? frame.y : frame.z;
 }
 

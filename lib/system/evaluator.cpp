@@ -183,15 +183,19 @@ void Evaluator<S>::sample_angles(const State<S>& state) {
   const int n = static_cast<int>(sampled_.size());
   if (lanes == 1 && only_angles_) return sines_and_cosines(state.q.data(), sines_.data(), cosines_.data(), n);
   // In whole blocks: what is written number by number is late for a block.
-  constexpr int width = lanes;
-  for (int first = 0; first < n; first += width) {
-    B block;
-    for (int k = 0; k < width; ++k) {
-      const int from = sampled_[first + k];
-      PackedScalar<S>::set(block, k, from >= 0 ? state.q[from] : S(motions_[-1 - from].position));
+  const auto sample = [&](auto angle) __attribute__((always_inline)) {
+    constexpr int width = lanes;
+    for (int first = 0; first < n; first += width) {
+      B block;
+      for (int k = 0; k < width; ++k) PackedScalar<S>::set(block, k, angle(sampled_[first + k]));
+      store_block<S>(block, angles_.data() + first);
     }
-    store_block<S>(block, angles_.data() + first);
-  }
+  };
+  const S* const q = state.q.data();
+  if (system_.model.drives() == 0)
+    sample([q](int from) { return q[from]; });
+  else
+    sample([&](int from) { return from >= 0 ? q[from] : S(motions_[-1 - from].position); });
   sines_and_cosines(angles_.data(), sines_.data(), cosines_.data(), n);
 }
 
@@ -226,8 +230,7 @@ template <class S>
 
 template <class S>
 void Evaluator<S>::apply_springs() {
-  positions();
-  twists();
+  move_bodies<true, true>();
   for (const PointSpring& spring : system_.model.springs()) {
     const WrenchPair<S> w = spring_wrenches(spring, moving_body(spring.body_a), moving_body(spring.body_b));
     if (spring.body_a != ground) system_.rhs.force[spring.body_a] += w.a;
@@ -240,8 +243,7 @@ template <class S>
 void Evaluator<S>::close_loops(const State<S>& state) {
   const ClosureSet& set = system_.model.closures();
   system_.state = state;
-  positions();
-  twists();
+  move_bodies<true, true>();
   const Vec3<S> none{S(0.0), S(0.0), S(0.0)};
   for (const ClosureBlock& block : closure_blocks_) {
     if (lanes > 1 && block.count > 1) {
@@ -289,14 +291,7 @@ void Evaluator<S>::close_side_by_side(const ClosureBlock& block) {
       set_moving_body(a, lane, closures[std::min(lane, last)].body_a);
       set_moving_body(b, lane, closures[std::min(lane, last)].body_b);
     }
-    const auto one = closure::frame_on(a, block.axes_a, block.point_a);
-    const auto other = closure::frame_on(b, block.axes_b, block.point_b);
-    const closure::Separation<B> from_a(one, other);
-    const Closure& c = closures[0];
-    const Conditions& conditions = c.conditions();
-    for (int k = 0; k < conditions.count; ++k) {
-      const closure::Row<B> row =
-          closure::condition(conditions.rows[k], one, other, from_a, B(c.pitch), {c.length, 0, 0});
+    const auto store = [&](int k, const closure::Row<B>& row) {
       for (int lane = 0; lane <= last; ++lane) {
         const int at = closures[lane].row + k;
         system_.closure_rows[at] = {{lane_of<S>(row.a.moment, lane), lane_of<S>(row.a.force, lane)},
@@ -305,7 +300,15 @@ void Evaluator<S>::close_side_by_side(const ClosureBlock& block) {
                                     PackedScalar<S>::get(row.rate, lane)};
         system_.rhs.closure[at] = PackedScalar<S>::get(row.bias, lane);
       }
-    }
+    };
+    const Closure& c = closures[0];
+    const Conditions& conditions = c.conditions();
+    if (conditions.only_along()) return closure::rows_of_points(conditions, block, a, b, store);
+    const auto one = closure::frame_on(a, block.axes_a, block.point_a);
+    const auto other = closure::frame_on(b, block.axes_b, block.point_b);
+    const closure::Separation<B> from_a(one, other);
+    for (int k = 0; k < conditions.count; ++k)
+      store(k, closure::condition(conditions.rows[k], one, other, from_a, B(c.pitch), {c.length, 0, 0}));
   }
 }
 
@@ -322,24 +325,34 @@ Mat3<S> Evaluator<S>::body_rotation(int body) const {
   return rotation(body) * cast<S>(system_.model.body_axes(body));
 }
 
+/// One pass over the bodies, for what is asked for.
+template <class S>
+template <bool positions, bool twists>
+[[gnu::always_inline]] inline void Evaluator<S>::move_bodies() {
+  for (int i = 0; i < system_.model.bodies(); ++i) {
+    const Link& link = system_.model.link(i);
+    const Vec3<S>& r = system_.bodies[i].r;
+    Vec3<S> position = r, linear{S(0.0), S(0.0), S(0.0)};
+    if (link.parent != ground) {
+      if constexpr (positions) position = positions_[link.parent] + r;
+      if constexpr (twists) linear = moved_outward(r, twists_[link.parent]).linear;
+    }
+    if constexpr (positions) positions_[i] = position;
+    if constexpr (!twists) continue;
+    if (link.kind.traits().moves_origin) linear += origin_velocities_[i];
+    twists_[i] = {angular_velocity(i), linear};
+  }
+}
+
 template <class S>
 const std::vector<Vec3<S>>& Evaluator<S>::positions() {
-  for (int i = 0; i < system_.model.bodies(); ++i) {
-    const int parent = system_.model.link(i).parent;
-    positions_[i] = parent == ground ? system_.bodies[i].r : positions_[parent] + system_.bodies[i].r;
-  }
+  move_bodies<true, false>();
   return positions_;
 }
 
 template <class S>
 const std::vector<Motion<S>>& Evaluator<S>::twists() {
-  for (int i = 0; i < system_.model.bodies(); ++i) {
-    const Link& link = system_.model.link(i);
-    Vec3<S> linear{S(0.0), S(0.0), S(0.0)};
-    if (link.parent != ground) linear = moved_outward(system_.bodies[i].r, twists_[link.parent]).linear;
-    if (link.kind.traits().moves_origin) linear += origin_velocities_[i];
-    twists_[i] = {angular_velocity(i), linear};
-  }
+  move_bodies<false, true>();
   return twists_;
 }
 

@@ -59,6 +59,8 @@ class Evaluator {
   void weigh(int block);
   void sample_motions(double t);
   void sample_angles(const State<S>& state);
+  template <bool positions, bool twists>
+  void move_bodies();
   void apply_passive(const State<S>& state);
   void apply_springs();
   void close_loops(const State<S>& state);

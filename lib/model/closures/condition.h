@@ -41,6 +41,12 @@ struct Conditions {
       if (rows[k].kind == ConditionKind::along || rows[k].kind == ConditionKind::screw) return true;
     return false;
   }
+  /// Whether all are, so that nothing turns on B's axes.
+  constexpr bool only_along() const {
+    for (int k = 0; k < count; ++k)
+      if (rows[k].kind != ConditionKind::along) return false;
+    return true;
+  }
 };
 
 // The rows joints are made of.
