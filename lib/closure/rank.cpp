@@ -26,7 +26,7 @@ struct ClosureRank<S>::Work {
 
   Model model;
   ClosureScaling scaling;
-  std::vector<double> row_unit;  // of g, the inverse of its scale
+  std::vector<double> row_unit, column_unit;  // of g and η: the inverse of a row's scale, and of a column's
   ClosureJacobian<S> jacobian;
   std::vector<Block> blocks;
   Solution<S> at_rest;
@@ -46,6 +46,7 @@ struct ClosureRank<S>::Work {
       blocks.push_back(std::move(block));
     }
     for (const double scale : scaling.row) row_unit.push_back(1 / scale);
+    for (const double scale : scaling.column) column_unit.push_back(1 / scale);
     decision.independent.resize(m.closures().rows());
     decision.correction.resize(m.closures().rows());
   }
@@ -144,11 +145,12 @@ struct ClosureRank<S>::Work {
     if (jacobian.rows() == 0) return;  // such a system does not keep its state
     double speed = 1;
     for (int k = 0; k < model.nv(); ++k)
-      speed = std::max(speed, std::abs(to_double(system.state.v[k])) / scaling.column[k]);
+      speed = std::max(speed, std::abs(to_double(system.state.v[k])) * column_unit[k]);
+    const double per_speed = 1 / speed;
     for (int k = 0; k < jacobian.rows(); ++k) {
       const auto& row = system.closure_rows[k];
       const double g = std::abs(to_double(row.g)) * scaling.row[k];
-      const double rate = std::abs(to_double(row.rate)) * scaling.row[k] / speed;
+      const double rate = std::abs(to_double(row.rate)) * scaling.row[k] * per_speed;
       if (std::max(g, rate) > std::max(decision.position_violation, decision.velocity_violation))
         decision.worst_row = k;
       decision.position_violation = std::max(decision.position_violation, g);
@@ -255,9 +257,11 @@ const ClosureDecision& ClosureRank<S>::hold(const System<S>& system, RankPolicy 
   decision.sigma = decision.next_sigma = std::numeric_limits<double>::quiet_NaN();
   decision.near_singular = decision.dropped = false;
   decision.contradiction = 0;
+  if (!decision.by_pivots) {  // else they are from last time
+    std::fill(decision.independent.begin(), decision.independent.end(), true);
+    std::fill(decision.correction.begin(), decision.correction.end(), 0.0);
+  }
   decision.by_pivots = true;
-  std::fill(decision.independent.begin(), decision.independent.end(), true);
-  std::fill(decision.correction.begin(), decision.correction.end(), 0.0);
   work.check_state(system);
   work.accept(policy);
   return decision;
