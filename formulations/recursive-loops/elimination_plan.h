@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "lib/model/model.h"
@@ -34,7 +35,15 @@ struct DirectTerm {
 /// A range of one of the plan's lists.
 struct Range {
   int begin = 0, end = 0;
+
+  template <class T>
+  std::span<const T> of(const std::vector<T>& list) const {
+    return {list.data() + begin, list.data() + end};
+  }
 };
+
+/// Freedoms of a joint, where code for one is apart from code for any number.
+constexpr int any = -1;
 
 /// A body leaves with its joint. Its columns: what unit multipliers of the closures it still meets do to it and to what
 /// was eliminated behind it.

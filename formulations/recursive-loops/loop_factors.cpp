@@ -23,6 +23,7 @@ LoopFactors<S, width>::LoopFactors(const Model& model, EliminationPlan plan)
       free_(free_delassus_diagonal(model)),
       star_(model.bodies()),
       freedoms_(model.nv()),
+      rows_(2 * model.closures().rows() / width),
       columns_(plan_.columns),
       responses_(plan_.responses),
       scratch_(plan_.most_responses),
@@ -46,14 +47,14 @@ bool LoopFactors<S, width>::factorise(const System<S>& system, std::span<const c
 template <class S, int width>
 bool LoopFactors<S, width>::eliminate(const System<S>& system, std::span<const char> counts) {
   for (const int at : plan_.order) {
-    if (at >= 0) {
-      const BodyStep& step = plan_.bodies[at];
-      eliminate_body(system, step);
-      if (step.columns > 0) eliminate_columns(system, step);
-    } else {
+    if (at < 0) {
       const ClosureStep& step = plan_.closures[-1 - at];
       if (!find_pivots(step, counts)) return false;
       eliminate_closure(step);
+    } else if (const BodyStep& step = plan_.bodies[at]; step.nv == 1) {
+      eliminate_body<1>(system, step);
+    } else {
+      eliminate_joint(system, step);
     }
   }
   return true;
@@ -68,6 +69,7 @@ void LoopFactors<S, width>::start(const System<S>& system) {
       const auto* const rows = system.closure_rows.data() + (ends.strip + s) * width;
       Wrench<Rows> a{{o, o, o}, {o, o, o}}, b = a;
       for (int k = 0; k < width; ++k) set_lane<width>(a, k, rows[k].a), set_lane<width>(b, k, rows[k].b);
+      rows_[2 * (ends.strip + s)] = a, rows_[2 * (ends.strip + s) + 1] = b;
       if (ends.column_a >= 0) columns_[ends.column_a + s] = a;
       if (ends.column_b >= 0) columns_[ends.column_b + s] = b;
     }
@@ -76,52 +78,54 @@ void LoopFactors<S, width>::start(const System<S>& system) {
 }
 
 template <class S, int width>
+void LoopFactors<S, width>::eliminate_joint(const System<S>& system, const BodyStep& step) {
+  eliminate_body<any>(system, step);
+}
+
+template <class S, int width>
+template <int freedoms>
 void LoopFactors<S, width>::eliminate_body(const System<S>& system, const BodyStep& step) {
+  const int nv = freedoms == any ? step.nv : freedoms;
   ArticulatedInertia<S>& M = star_[step.body];
   if (step.untouched)
     M = expanded(system.bodies[step.body].inertia);
   else
     add(M, system.bodies[step.body].inertia);
-  const auto release = [&](int k, const ArticulatedInertia<S>& inertia) {
-    const Wrench<S> U = times_column(inertia, kind(k), system.columns[k]);
+  ArticulatedInertia<S> rest;
+  rest = M;
+  for (int k = step.v; k < step.v + nv; ++k) {
+    const Wrench<S> U = times_column(rest, kind(k), system.columns[k]);
     S N = project(kind(k), system.columns[k], U);
     if (model_.has_armature()) N += S(model_.armature()[k]);
     freedoms_[k].inverse = S(1.0) / N;
     freedoms_[k].D = U * freedoms_[k].inverse;
-    return U;
-  };
-  if (step.parent == ground && step.nv == 1) {  // nothing is left of it
-    release(step.v, M);
-    return;
+    if (step.parent == ground && k + 1 == step.v + nv) break;  // what is left of it acts on nothing
+    subtract_outer(rest, freedoms_[k].D, U);
   }
-  ArticulatedInertia<S> rest;
-  rest = M;
-  const auto subtract = [&](int k) __attribute__((always_inline)) {
-    const Wrench<S> U = release(step.v + k, rest);
-    subtract_outer(rest, freedoms_[step.v + k].D, U);
-  };
-  for_each_freedom(step.nv, subtract);
   if (step.parent != ground) {
     if (step.first_to_parent)
       star_[step.parent] = moved_inward(system.bodies[step.body].r, rest);
     else
       add(star_[step.parent], moved_inward(system.bodies[step.body].r, rest));
   }
-}
-
-template <class S, int width>
-void LoopFactors<S, width>::eliminate_columns(const System<S>& system, const BodyStep& step) {
-  if (step.nv == 1 && kind(step.v) == ColumnKind::rotation && step.terms.begin == step.terms.end)
+  if (step.columns == 0) return;
+  if (freedoms == 1 && kind(step.v) == ColumnKind::rotation && (width > 1 || step.terms.begin == step.terms.end))
     release_hinge(system, step);
   else
     release_columns(system, step);
-  const int w = step.columns;
-  for (int m = step.meetings.begin; m < step.meetings.end; ++m) {
-    const Meeting& both = plan_.meetings[m];
+  meet<freedoms>(step);
+}
+
+/// S += uᵀ N⁻¹ u.
+template <class S, int width>
+template <int freedoms>
+void LoopFactors<S, width>::meet(const BodyStep& step) {
+  const int nv = freedoms == any ? step.nv : freedoms, w = step.columns;
+  for (const Meeting& both : step.meetings.of(plan_.meetings)) {
     const int rows = count<width>(both.first_strips) * width, strips = count<width>(both.second_strips);
     Rows* const block = delassus_.data() + both.block;
-    if (both.first_there && step.nv == 0) std::fill_n(block, rows * strips, Rows(0.0));
-    const auto respond = [&](int k) __attribute__((always_inline)) {
+    if (both.first_there && nv == 0) std::fill_n(block, rows * strips, Rows(0.0));
+    for (int k = 0; k < nv; ++k) {
       const Rows* const first = scratch_.data() + k * w + both.first;
       const Rows* const second = responses_.data() + step.responses + k * w + both.second;
       const bool fresh = both.first_there && k == 0;
@@ -130,8 +134,7 @@ void LoopFactors<S, width>::eliminate_columns(const System<S>& system, const Bod
           const Rows product = second[y] * Rows(lane<width>(first[x / width], x % width));
           block[x * strips + y] = fresh ? product : block[x * strips + y] + product;
         }
-    };
-    for_each_freedom(step.nv, respond);
+    }
   }
 }
 
@@ -150,10 +153,8 @@ void LoopFactors<S, width>::release_columns(const System<S>& system, const BodyS
   Rows* const u = scratch_.data();
   std::fill_n(u, step.nv * w, Rows(0.0));
   if constexpr (width == 1)  // else there are no couplers
-    for (int t = step.terms.begin; t < step.terms.end; ++t)
-      u[plan_.terms[t].freedom * w + plan_.terms[t].column] += S(plan_.terms[t].factor);
-  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
-    const Attachment& a = plan_.attachments[at];
+    for (const DirectTerm& term : step.terms.of(plan_.terms)) u[term.freedom * w + term.column] += S(term.factor);
+  for (const Attachment& a : step.attachments.of(plan_.attachments)) {
     for (int s = 0; s < count<width>(a.strips); ++s) {
       Wrench<Rows> e;
       e = columns_[step.first_column + a.column + s];
@@ -177,8 +178,7 @@ void LoopFactors<S, width>::release_hinge(const System<S>& system, const BodySte
   const Rows inverse(freedom.inverse);
   const auto axis = in_every_lane<Rows>(system.columns[step.v].angular);
   const auto r = in_every_lane<Rows>(system.bodies[step.body].r);
-  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
-    const Attachment& a = plan_.attachments[at];
+  for (const Attachment& a : step.attachments.of(plan_.attachments)) {
     for (int s = 0; s < count<width>(a.strips); ++s) {
       const Wrench<Rows>& e = columns_[step.first_column + a.column + s];
       const Rows along = dot(axis, e.moment);
@@ -199,7 +199,10 @@ bool LoopFactors<S, width>::find_pivots(const ClosureStep& step, std::span<const
   for (int r = 0; r < m; ++r) {
     left[r] = counts.empty() || counts[row + r];
     for (int s = 0; s < strips; ++s) rest[r][s] = delassus_[step.block + r * strips + s], W[r][s] = Rows(0.0);
-    set_lane<width>(W[r][r / width], r % width, S(1.0));
+    if constexpr (width == 1)
+      W[r][r] = S(1.0);
+    else  // set_lane() would write one lane to memory, and wait for it
+      W[r][0] = W[r][0].with_lane(r, 1.0);
   }
   std::fill_n(inverses, strips, Rows(0.0));
   int found = 0, wanted = 0;
@@ -241,8 +244,7 @@ void LoopFactors<S, width>::eliminate_closure(const ClosureStep& step) {
   const Rows* const inverses = inverse(step);
   const auto weight = [&](int r, int x) { return Rows(lane<width>(W[r * own + x / width], x % width)); };
   const auto one_over_pivot = [&](int r) { return Rows(lane<width>(inverses[r / width], r % width)); };
-  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
-    const Attachment& a = plan_.attachments[at];
+  for (const Attachment& a : step.attachments.of(plan_.attachments)) {
     const int strips = count<width>(a.strips);
     Rows* const T = delassus_.data() + a.block;
     for (int y = 0; y < strips; ++y) {
@@ -257,8 +259,7 @@ void LoopFactors<S, width>::eliminate_closure(const ClosureStep& step) {
       taken_[a.strip + y] += taken;
     }
   }
-  for (int at = step.meetings.begin; at < step.meetings.end; ++at) {
-    const Meeting& both = plan_.meetings[at];
+  for (const Meeting& both : step.meetings.of(plan_.meetings)) {
     const int first_strips = count<width>(both.first_strips), strips = count<width>(both.second_strips);
     const Rows* const first = delassus_.data() + both.first;
     const Rows* const second = delassus_.data() + both.second;
@@ -293,8 +294,7 @@ void LoopFactors<S, width>::hand_to_body(const ClosureStep& step) {
     rows[r] = lane<width>(E[r / width], r % width);
     subtract_outer(star_[step.body], rows[r] * -lane<width>(inverses[r / width], r % width), rows[r]);
   }
-  for (int at = step.attachments.begin; at < step.attachments.end; ++at) {
-    const Attachment& a = plan_.attachments[at];
+  for (const Attachment& a : step.attachments.of(plan_.attachments)) {
     const int strips = count<width>(a.strips);
     const Rows* const T = delassus_.data() + a.block;
     for (int y = 0; y < strips; ++y) {

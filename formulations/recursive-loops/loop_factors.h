@@ -55,13 +55,21 @@ class LoopFactors {
   const Rows* weights(const ClosureStep& step) const { return weights_.data() + step.weights; }  // W, row by row
   const Rows* weight_columns(const ClosureStep& step) const { return weight_columns_.data() + step.weights; }
   const Rows* inverse(const ClosureStep& step) const { return inverse_.data() + step.strip; }  // D⁻¹
+  /// The rows of G_a and G_b of a strip.
+  const Wrench<Rows>& row_a(int strip) const { return rows_[2 * strip]; }
+  const Wrench<Rows>& row_b(int strip) const { return rows_[2 * strip + 1]; }
 
  private:
   void start(const System<S>& system);
   [[gnu::flatten]] bool eliminate(const System<S>& system, std::span<const char> counts);
+  /// `freedoms` of the joint: one, of which no loop is made, or `any`, out of line. What joints with one freedom pass
+  /// through is half as long then.
+  template <int freedoms>
   void eliminate_body(const System<S>& system, const BodyStep& step);
-  void eliminate_columns(const System<S>& system, const BodyStep& step);
-  void release_columns(const System<S>& system, const BodyStep& step);
+  [[gnu::noinline, gnu::flatten]] void eliminate_joint(const System<S>& system, const BodyStep& step);
+  template <int freedoms>
+  void meet(const BodyStep& step);
+  [[gnu::noinline]] void release_columns(const System<S>& system, const BodyStep& step);
   void release_hinge(const System<S>& system, const BodyStep& step);
   void hand_on(const Attachment& to, int strip, const Wrench<Rows>& e);
   bool find_pivots(const ClosureStep& step, std::span<const char> counts);
@@ -74,6 +82,7 @@ class LoopFactors {
   std::vector<ArticulatedInertia<S>> star_;  // M*
   std::vector<Freedom> freedoms_;
   std::vector<ColumnKind> kinds_;
+  std::vector<Wrench<Rows>> rows_;  // of G_a and G_b, by turns
   std::vector<Wrench<Rows>> columns_;
   std::vector<Rows> responses_, scratch_;
   std::vector<Rows> delassus_;

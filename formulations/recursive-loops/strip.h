@@ -42,14 +42,6 @@ constexpr int count(int strips) {
   return width > 1 ? 1 : strips;
 }
 
-/// Freedoms 0 to nv − 1 of a joint. One by itself is no loop, for whose many addresses no registers would be left: a
-/// tenth of the instructions of a solution.
-template <class Do>
-[[gnu::always_inline]] inline void for_each_freedom(int nv, Do&& act) {
-  if (nv == 1) return act(0);
-  for (int k = 0; k < nv; ++k) act(k);
-}
-
 template <int width, class L>
 inline auto lane(const L& strip, int k) {
   if constexpr (width == 1)
