@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <list>
 #include <memory>
 #include <optional>
 
@@ -69,28 +70,7 @@ class Contest {
     for (int k = 0; k < mechanism_.model.nv(); ++k) vdot_.push_back(std::sin(1.0 + k));  // any will do
   }
 
-  void run() {
-    if (done()) return;
-    add_ours();
-    add_peers();
-    for (Contestant& c : contestants_) judge(c);
-    for (int r = 0; r < experiment_.options().repetitions; ++r)
-      for (Contestant& c : contestants_)
-        if (c.repetition && (c.seconds < slow || r < slow_repetitions)) time(c, r);
-    for (const Contestant& c : contestants_) summarise(c);  // last: done() asks for them
-  }
-
- private:
-  void say(const std::string& text) { experiment_.progress().say(fmt::format("{}: {}", name_, text)); }
-
-  Cell cell(std::string_view name, Task task, std::optional<int> repetition = std::nullopt) const {
-    return experiment_.cell(name_, mechanism_.model, std::string(name), fmt::format("task={}", to_string(task)),
-                            repetition);
-  }
-  void write(const Cell& cell, const std::vector<Measurement>& rows) {
-    if (!experiment_.report().has(cell)) experiment_.report().write(cell, rows);
-  }
-
+  const std::string& name() const { return name_; }
   /// The CSV that is continued has this model.
   bool done() const {
     const auto has = [&](std::string_view name, Task task) { return experiment_.report().has(cell(name, task)); };
@@ -102,6 +82,30 @@ class Contest {
     for (const PeerInfo& peer : registered_peers())
       if (!has(peer.name, peer.task)) return false;
     return true;
+  }
+  void compare() {
+    add_ours();
+    add_peers();
+    for (Contestant& c : contestants_) judge(c);
+  }
+  void time(int r) {
+    for (Contestant& c : contestants_)
+      if (c.repetition && (c.seconds < slow || r < slow_repetitions)) time(c, r);
+  }
+  /// Last: done() asks for it.
+  void summarise() {
+    for (const Contestant& c : contestants_) summarise(c);
+  }
+
+ private:
+  void say(const std::string& text) { experiment_.progress().say(fmt::format("{}: {}", name_, text)); }
+
+  Cell cell(std::string_view name, Task task, std::optional<int> repetition = std::nullopt) const {
+    return experiment_.cell(name_, mechanism_.model, std::string(name), fmt::format("task={}", to_string(task)),
+                            repetition);
+  }
+  void write(const Cell& cell, const std::vector<Measurement>& rows) {
+    if (!experiment_.report().has(cell)) experiment_.report().write(cell, rows);
   }
 
   void add_ours() {
@@ -183,6 +187,7 @@ class Contest {
   }
 
   void time(Contestant& c, int r) {
+    if (experiment_.report().has(cell(c.name, c.task, r))) return;
     experiment_.progress().advance(0, fmt::format("{} {}", name_, c.name));
     std::vector<Measurement> rows = c.repetition();
     c.seconds = rows.back().value;
@@ -208,6 +213,28 @@ class Contest {
 
 }  // namespace
 
-void contest(Experiment& experiment, const std::string& argument) { Contest(experiment, argument).run(); }
+void contest(Experiment& experiment, const std::vector<std::string>& models) {
+  Progress& progress = experiment.progress();
+  const int repetitions = experiment.options().repetitions;
+  progress.start(static_cast<std::int64_t>(models.size()) * (1 + repetitions));
+  std::list<Contest> contests;
+  for (const std::string& model : models) {
+    Contest& c = contests.emplace_back(experiment, model);
+    if (c.done()) {
+      progress.advance(1 + repetitions, c.name(), true);
+      contests.pop_back();
+      continue;
+    }
+    c.compare();
+    progress.advance(1, c.name());
+  }
+  for (int r = 0; r < repetitions; ++r)
+    for (Contest& c : contests) {
+      c.time(r);
+      progress.advance(1, c.name());
+    }
+  for (Contest& c : contests) c.summarise();
+  progress.clear();
+}
 
 }  // namespace lanc::peers

@@ -20,12 +20,7 @@ int main(int argc, char** argv) {
        .formulations = [](const FormulationInfo& info) { return info.recursive || peers::has_bound(info.name); },
        .libraries = libraries});
   return experiment.run(argc, argv, [](Experiment& e) {
-    e.progress().start(static_cast<std::int64_t>(e.models().size()));
-    for (const std::string& model : e.models()) {
-      peers::contest(e, model);
-      e.progress().advance(1, model);
-    }
-    e.progress().clear();
+    peers::contest(e, e.models());
     std::FILE* out = e.options().out == "-" ? stderr : stdout;
     peers::print_times(out, e.report().rows());
     peers::print_bounds(out, e.report().rows());

@@ -66,18 +66,18 @@ class Peers : public ::testing::Test {
     for (const char* ending : {".csv", ".json"}) std::filesystem::remove(stem_ + ending);
   }
   /// Into `rows`.
-  void compare(const std::string& model, std::vector<std::string> options = {}) {
+  void compare(const std::vector<std::string>& models, std::vector<std::string> options = {}) {
     Experiment experiment({.name = "peers",
                            .question = "Well?",
                            .repetitions = 2,
-                           .models = [&](bool) { return std::vector<std::string>{model}; },
+                           .models = [&](bool) { return models; },
                            .formulations = [](const FormulationInfo& info) { return info.recursive; }});
     options.insert(options.begin(), {"peers", "--quiet", "--out", stem_ + ".csv"});
     std::vector<const char*> argv;
     for (const auto& option : options) argv.push_back(option.c_str());
     ASSERT_EQ(experiment.run(static_cast<int>(argv.size()), argv.data(),
                              [&](Experiment& e) {
-                               contest(e, model);
+                               contest(e, models);
                                rows = e.report().rows();
                              }),
               0);
@@ -97,7 +97,7 @@ class Peers : public ::testing::Test {
 };
 
 TEST_F(Peers, that_solve_the_same_model_are_timed) {
-  compare("chain:3");
+  compare({"chain:3"});
   EXPECT_EQ(of("faithful", "time").size(), 2U);
   ASSERT_EQ(of("faithful", "difference").size(), 1U);
   EXPECT_EQ(of("faithful", "difference")[0].status, "solved");
@@ -107,7 +107,7 @@ TEST_F(Peers, that_solve_the_same_model_are_timed) {
 }
 
 TEST_F(Peers, that_solve_another_model_are_refused) {
-  compare("chain:3");
+  compare({"chain:3"});
   for (const char* name : {"heavier", "soft"}) {  // on an open chain nobody is soft
     EXPECT_TRUE(of(name, "time").empty()) << name;
     ASSERT_EQ(of(name, "difference").size(), 1U) << name;
@@ -117,7 +117,7 @@ TEST_F(Peers, that_solve_another_model_are_refused) {
 }
 
 TEST_F(Peers, with_soft_closures_are_timed_beside_their_error) {
-  compare("four-bar-ladder:2");
+  compare({"four-bar-ladder:2"});
   EXPECT_EQ(of("soft", "time").size(), 2U);
   ASSERT_EQ(of("soft", "error").size(), 1U);
   EXPECT_NEAR(of("soft", "error")[0].value, 1e-3, 1e-9);
@@ -127,7 +127,7 @@ TEST_F(Peers, with_soft_closures_are_timed_beside_their_error) {
 }
 
 TEST_F(Peers, that_object_or_are_not_there_have_a_row) {
-  compare("chain:2");
+  compare({"chain:2"});
   ASSERT_EQ(of("refusing", "difference").size(), 1U);
   EXPECT_EQ(of("refusing", "difference")[0].status, "objection");
   for (const MandatoryPeer& peer : mandatory_peers()) {
@@ -138,14 +138,25 @@ TEST_F(Peers, that_object_or_are_not_there_have_a_row) {
 }
 
 TEST_F(Peers, are_not_measured_again_when_a_run_is_continued) {
-  compare("chain:2");
+  compare({"chain:2"});
   const std::size_t before = rows.size();
-  compare("chain:2", {"--resume"});
+  compare({"chain:2"}, {"--resume"});
   EXPECT_EQ(rows.size(), before);
 }
 
+/// Bounds compare sides on different models, too.
+TEST_F(Peers, are_timed_on_all_models_before_any_is_timed_again) {
+  compare({"chain:2", "chain:3"});
+  std::vector<std::pair<std::string, int>> order;  // model, repetition
+  for (const Row& row : rows)
+    if (row.cell.formulation == "faithful" && row.measurement.metric == "time")
+      order.emplace_back(row.cell.model, *row.cell.repetition);
+  EXPECT_EQ(order,
+            (std::vector<std::pair<std::string, int>>{{"chain:2", 0}, {"chain:3", 0}, {"chain:2", 1}, {"chain:3", 1}}));
+}
+
 TEST_F(Peers, are_given_models_without_what_they_model_in_their_own_way) {
-  compare(LANC_SOURCE_DIR "/data/models/two-link-arm.urdf");  // has damping and friction
+  compare({LANC_SOURCE_DIR "/data/models/two-link-arm.urdf"});  // has damping and friction
   EXPECT_EQ(of("faithful", "time").size(), 2U);
 }
 
