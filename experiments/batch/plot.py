@@ -21,6 +21,8 @@ def main():
         if row["phase"] == "total" and row["metric"] == "time" and row["value"]:
             family = re.sub(r"^([^:]+):\d+", r"\1", row["model"])
             ways = dict(part.split("=") for part in row["parameters"].split(";"))
+            if "core" in ways:  # for the gain of cores
+                continue
             key = family, row["formulation"], int(ways["lanes"]), int(ways["threads"])
             times[key][int(row["bodies"])].append(1e9 * float(row["value"]) / int(row["bodies"]))
     if not times:
