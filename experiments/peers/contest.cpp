@@ -87,6 +87,7 @@ class Contest {
     add_ours();
     add_peers();
     for (Contestant& c : contestants_) judge(c);
+    take_up();
   }
   void time(int r) {
     for (Contestant& c : contestants_)
@@ -101,8 +102,7 @@ class Contest {
   void say(const std::string& text) { experiment_.progress().say(fmt::format("{}: {}", name_, text)); }
 
   Cell cell(std::string_view name, Task task, std::optional<int> repetition = std::nullopt) const {
-    return experiment_.cell(name_, mechanism_.model, std::string(name), fmt::format("task={}", to_string(task)),
-                            repetition);
+    return experiment_.cell(name_, mechanism_.model, std::string(name), parameters(task), repetition);
   }
   void write(const Cell& cell, const std::vector<Measurement>& rows) {
     if (!experiment_.report().has(cell)) experiment_.report().write(cell, rows);
@@ -184,6 +184,15 @@ class Contest {
     c.repetition = nullptr;
     say(fmt::format("{} ({}) differs from us by {:.1e} of the largest value, more than {:.0e}: not timed", c.name,
                     to_string(c.task), apart, c.soft ? same_if_soft : same_answer));
+  }
+
+  /// Of a run that is continued: who was slow there.
+  void take_up() {
+    for (const Row& row : experiment_.report().rows())
+      if (row.cell.model == name_ && row.cell.repetition && row.measurement.phase == "total")
+        for (Contestant& c : contestants_)
+          if (row.cell.formulation == c.name && row.cell.parameters == parameters(c.task))
+            c.seconds = row.measurement.value;
   }
 
   void time(Contestant& c, int r) {

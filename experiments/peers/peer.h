@@ -15,6 +15,8 @@ namespace lanc::peers {
 enum class Task : unsigned char { forward, inverse };
 
 constexpr std::string_view to_string(Task task) { return task == Task::forward ? "forward" : "inverse"; }
+/// In the CSV.
+inline std::string parameters(Task task) { return "task=" + std::string(to_string(task)); }
 
 /// A model of ours in a peer, at the state and, for inverse dynamics, with the η̇ that it was built with.
 class PeerModel {

@@ -51,7 +51,6 @@ bool is_peer(const std::string& who) {
 }
 
 std::string scientific(double value) { return std::isnan(value) ? "-" : fmt::format("{:.0e}", value); }
-std::string parameters(Task task) { return fmt::format("task={}", to_string(task)); }
 
 }  // namespace
 

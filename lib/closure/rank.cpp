@@ -228,6 +228,7 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   Work& work = *work_;
   ClosureDecision& decision = work.decision;
   decision.worst_row = -1;
+  decision.by_pivots = false;
   work.jacobian.evaluate(system);
   for (auto& block : work.blocks) work.decompose(block);
   work.choose_rank(policy);
@@ -239,7 +240,6 @@ const ClosureDecision& ClosureRank<S>::decide(const System<S>& system, RankPolic
   work.split_bias(system, policy.automatic() ? 0 : negligible * unit);
   work.check_state(system);
   work.accept(policy);
-  decision.by_pivots = false;
   if (policy.automatic()) work.judge_rank(system);
   // what is dropped on the way through a singular configuration is not obeyed there
   decision.dropped = decision.held && decision.rank < policy.rank;
