@@ -62,7 +62,8 @@ class LoopFactors {
  private:
   void start(const System<S>& system);
   [[gnu::flatten]] bool eliminate(const System<S>& system, std::span<const char> counts);
-  /// `freedoms` of the joint: one, of which no loop is made, or `any`, out of line: a fiftieth of the factors of one loop.
+  /// `freedoms` of the joint: one, of which no loop is made, or `any`, out of line: a fiftieth of the factors of one
+  /// loop.
   template <int freedoms>
   void eliminate_body(const System<S>& system, const BodyStep& step);
   [[gnu::noinline, gnu::flatten]] void eliminate_joint(const System<S>& system, const BodyStep& step);

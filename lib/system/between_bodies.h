@@ -85,7 +85,8 @@ void move_frame(Frame<S>& A, double pitch, const MotionSample& motion) {
 }
 
 /// Rows of a closure that is only about a point (Conditions::only_along) and has no motion: axes of B need not be
-/// known, nor what else a Frame has. A seventh of the kinematics of one loop. `c`: a Closure, or a ClosureBlock on packs.
+/// known, nor what else a Frame has. A seventh of the kinematics of one loop. `c`: a Closure, or a ClosureBlock on
+/// packs.
 template <class Places, class S, class Store>
 [[gnu::always_inline]] inline void rows_of_points(const Conditions& conditions, const Places& c, const MovingBody<S>& a,
                                                   const MovingBody<S>& b, Store&& store) {
